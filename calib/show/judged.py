@@ -1,4 +1,4 @@
-"""Judged metrics as a table: plain name, value, limits, verdict; the worst first."""
+"""Judged metrics as a table, the worst first, and other texts that several pages share."""
 
 from collections.abc import Iterable, Mapping, Sequence
 
@@ -12,54 +12,59 @@ from calib.table.budget import Parts, parts_text, ramp_pads
 from calib.table.table import Table as LookUp
 
 _WORST_FIRST = (FAILED, WARNING, PASSED, NOT_KNOWN)
+"""Verdicts on a metric, the worst first."""
 UNKNOWN = "not known"
 _HEADS = ("metric", "value", "limit", "no warning", "verdict", "key")
 
 
 def judged(caption: str, groups: Sequence[Sequence[Judgement]]) -> tuple[Table, list[str]]:
-    """Table with one row a metric, judged once or for each stop; notes on metrics not known."""
-    rows, unknown = [], []
+    """Return a table with a row for each metric, and a note on the metrics that are not known.
+
+    A group has the judgements of one metric: a single one of a car, or one of each stop.
+    """
+    rows, unknown, notes = [], [], list[str]()
     for group in sorted(groups, key=lambda group: _WORST_FIRST.index(_worst(group))):
-        first, shown = group[0], metric_of(group[0].figure)
-        if _worst(group) == NOT_KNOWN:
-            unknown.append(shown.name)
+        first, metric, verdict = group[0], metric_of(group[0].figure), _worst(group)
+        if verdict == NOT_KNOWN:
+            unknown.append(metric.name)
             continue
-        values = [shown.value(j.value) for j in group]
-        unit = f" {shown.unit}" if shown.unit else ""
-        alike = len({*values}) == 1
-        text = shown.with_unit(first.value) if alike else ", ".join(values) + unit
-        limits = shown.bounds(first.low, first.high), shown.bounds(first.warn_low, first.warn_high)
-        bounds = ["" if limit == "none" else limit for limit in limits]
-        rows.append((shown.name, text, *bounds, _worst(group), first.figure))
-    table = Table(_HEADS, rows, caption, [row[4] for row in rows])
-    return table, [f"Not known and so not judged: {', '.join(unknown)}."] * bool(unknown)
+        texts = [metric.value(judgement.value) for judgement in group]
+        text = f"{', '.join(texts)} {metric.unit}".rstrip()
+        if len(set(texts)) == 1:
+            text = metric.with_unit(first.value)
+        limit = metric.bounds(first.low, first.high)
+        warn = metric.bounds(first.warn_low, first.warn_high)
+        bounds = ["" if words == "none" else words for words in (limit, warn)]
+        rows.append((metric.name, text, *bounds, verdict, first.figure))
+    if unknown:
+        notes.append(f"Not known and so not judged: {', '.join(unknown)}.")
+    return Table(_HEADS, rows, caption, [row[4] for row in rows]), notes
 
 
 def stop_by_stop(results: Sequence[Validation]) -> tuple[Table, list[str]]:
-    """The judged metrics of stops, the values of each in one row."""
-    of_stops: dict[str, list[Judgement]] = {}
-    for r in results:
-        for judgement in r.judgements:
-            of_stops.setdefault(judgement.figure, []).append(judgement)
-    stops = ", ".join(r.log for r in results)
+    """Return a table with a row for each judged metric, with its values in all stops, and notes."""
+    by_metric: dict[str, list[Judgement]] = {}
+    for judgement in (judgement for result in results for judgement in result.judgements):
+        by_metric.setdefault(judgement.figure, []).append(judgement)
+    stops = ", ".join(result.log for result in results)
     order = f", in this order, one value where all are alike: {stops}" if len(results) > 1 else ""
-    return judged(f"The stops{order}. The worst first.", [*of_stops.values()])
+    return judged(f"The stops{order}. The worst first.", [*by_metric.values()])
 
 
-def word(r: Validation) -> str:
-    """The verdict on one log in a word or two."""
-    return verdict_words(r.role, r.word, len(r.all_warnings))
+def word(result: Validation) -> str:
+    """Return the verdict on one log in a word or two."""
+    return verdict_words(result.role, result.word, len(result.all_warnings))
 
 
 def verdict_words(role: str, verdict: str, warnings: int) -> str:
-    """A verdict with the number of ``warnings``; a log of the fit has none."""
+    """Return a verdict with the number of ``warnings``; a log of the fit has no verdict."""
     if role == CALIBRATION:
         return "no hold-out"
     return f"{verdict}, {counted(warnings, 'warning')}" if warnings else verdict
 
 
 def ramp_rows(table: LookUp) -> list[Row]:
-    """Brake torque per bar of both axles on the ramp, and their pads, with 95 % intervals."""
+    """Return brake torque per bar and pad friction of the axles on the ramp, with intervals."""
     torques = zip(AXLE_NAMES.values(), per_bar(table), strict=True)
     frictions = zip(AXLE_NAMES.values(), ramp_pads(table), strict=True)
     return [
@@ -69,15 +74,16 @@ def ramp_rows(table: LookUp) -> list[Row]:
 
 
 def budget_rows(budgets: Iterable[Parts]) -> list[Row]:
-    """Parts of the uncertainty of the pads of both axles."""
+    """Return the parts of the uncertainty of the pads of each axle."""
     axles = zip(AXLE_NAMES.values(), budgets, strict=False)
     return [(f"{axle} pads", parts_text(parts)) for axle, parts in axles]
 
 
 def pads(figures: Mapping[str, float | None], axle: str, prefix: str = "") -> str:
-    """Mean pad friction of a stop on ``axle`` f or r with its 95 % interval, where it is known.
+    """Return the mean pad friction in a stop with its 95 % interval, or `UNKNOWN`.
 
-    ``prefix`` is the beginning of the metrics' names: "ecu_" of the ECU.
+    ``axle`` is f or r; ``prefix`` begins the names of the metrics: "ecu_" of the ECU, "" of the
+    best estimate.
     """
     mean, width = figures[f"{prefix}pad_friction_{axle}"], figures[f"{prefix}interval_{axle}"]
     if not figures["valid_share"] or mean is None or width is None:
@@ -86,18 +92,20 @@ def pads(figures: Mapping[str, float | None], axle: str, prefix: str = "") -> st
 
 
 def valid(figures: Mapping[str, float | None]) -> str:
-    """Share of the samples of a stop in which the ECU is valid; none where no sample counts."""
+    """Return the share of samples of a stop in which the ECU is valid; 0 if the run is no use."""
     share = figures["ecu_valid_share"] if figures["valid_share"] else 0.0
     return metric_of("valid_share").with_unit(share)
 
 
-def broken(r: Validation) -> list[str]:
-    """Name and value of each metric that breaks its limit, and the limit."""
-    return [
-        f"{shown.name} ({j.figure}) is {shown.with_unit(j.value)}, {shown.bounds(j.low, j.high)}"
-        for j in r.judgements
-        if j.verdict == FAILED and (shown := metric_of(j.figure))
-    ]
+def broken(result: Validation) -> list[str]:
+    """Return a text for each metric that breaks its limit: its name, its value and the limit."""
+    texts = []
+    for j in result.judgements:
+        if j.verdict == FAILED:
+            metric = metric_of(j.figure)
+            limit = metric.bounds(j.low, j.high)
+            texts.append(f"{metric.name} ({j.figure}) is {metric.with_unit(j.value)}, {limit}")
+    return texts
 
 
 def _worst(group: Sequence[Judgement]) -> str:

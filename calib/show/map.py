@@ -1,8 +1,8 @@
-"""The map of a table over z and eta - 1: the ratio of its pads, and how well that is known.
+"""The map of a table over eta - 1 and z: the ratio of the pads, and how well the ratio is known.
 
-z |  ...##%%   colour   ratio of front to rear pads over that of the ramp, or its 95 % half width
-  | ..##%%     ridge    what the ramp itself had
-  |.##%%       points   what stops had, as means over 0.3 s
+z |  ...##%%   colours  pad friction front over rear, over that ratio on the ramp, or its half width
+  | ..##%%     line     eta - 1 and z of the ramp
+  |.##%%       points   eta - 1 and z of stops, as means over 0.3 s
   +-------- eta - 1
 """
 
@@ -19,31 +19,36 @@ from calib.table.maps import Reader
 from calib.table.table import Table
 
 _SEEN = 0.02
-"""Least share of the stops at a z for which a place of the map is drawn [1]."""
+"""Smallest share of the stops at a z that a drawn place of the map holds [1]."""
 _STEPS = 56
-"""Colours along each axis."""
+"""Places of the drawn map along each axis."""
 _AROUND = 1.5
 """Ends of the axes over the largest eta - 1 and z of the ramp and of the stops."""
 _POINTS = 400
-"""Points of a stop that are drawn, about."""
+"""Number of drawn points of a stop, about."""
 _SLICES = 4
-"""Slices through a map for a browser, from the lowest slip to the highest."""
+"""Number of maps for a browser, from the lowest slip to the highest."""
 _SLIP = "slip, in standard deviations of stops"
+"""Name of the third axis of the map."""
 
 
 def map_panels(
     table: Table, stops: Mapping[str, tuple[Array, Array]] = MappingProxyType({})
 ) -> tuple[Panel, Panel]:
-    """Ratio of the pads at the usual slip, and its half width; ``stops`` eta - 1 and z by name."""
+    """Return two panels: the ratio of the pads at the usual slip, and the ratio's half width.
+
+    ``stops`` are eta - 1 and z of stops, (n,) each, by the names of the stops.
+    """
     axes, (low, high) = _axes(table, [*stops.values()]), table.map.axes["slip"][[0, -1]]
-    read = [_read(table, axes, slip) for slip in (0.0, *np.linspace(low, high, _SLICES))]
+    # at the usual slip, and then the slices for a browser
+    maps = [_read(table, axes, slip) for slip in (0.0, *np.linspace(low, high, _SLICES))]
     slider = _SLIP, float(low), float(high)
-    ratio, *ratios = (np.exp(change) for change, _, _ in read)
-    half, *halves = (50.0 * (np.exp(upper) - np.exp(lower)) for _, lower, upper in read)
+    ratio, *ratios = (np.exp(change) for change, _, _ in maps)
+    half, *halves = (50.0 * (np.exp(upper) - np.exp(lower)) for _, lower, upper in maps)
     thick = {**BODY, "linewidth": 1.8}
     lines = [Line(100.0 * (table.paper.eta - 1.0), table.paper.z, thick, "the ramp")]
-    for (name, of_stop), look in zip(stops.items(), cycle(WHEEL_STROKES.values())):
-        x, z = (column[:: 1 + column.size // _POINTS] for column in of_stop)
+    for (name, samples), look in zip(stops.items(), cycle(WHEEL_STROKES.values())):
+        x, z = (values[:: 1 + values.size // _POINTS] for values in samples)
         lines.append(Line(100.0 * x, z, dots(look, 2.0, rasterized=True), name))
     x, z = 100.0 * axes[0].ravel(), axes[1].ravel()
     place = x[0], x[-1], z[0], z[-1]
@@ -64,25 +69,31 @@ def map_panels(
 
 
 def _axes(table: Table, others: Sequence[tuple[Array, Array]]) -> tuple[Array, Array]:
-    """eta - 1 (1, k) and z (k, 1) around the ramp and the ``others``."""
+    """Return eta - 1 (1, k) and z (k, 1) of the places, around the ramp and the ``others``."""
     drawn = [(table.paper.eta - 1.0, table.paper.z), *others]
-    shifts, z = (np.concatenate(one) for one in zip(*drawn, strict=True))
+    eta_less_1, z = (np.concatenate(values) for values in zip(*drawn, strict=True))
+    left, right = 1.1 * min(np.nanmin(eta_less_1), 0.0), _AROUND * np.nanmax(eta_less_1)
     top = min(_AROUND * np.nanmax(z), table.map.axes["z"][-1])
-    eta_less_1 = np.linspace(1.1 * min(np.nanmin(shifts), 0.0), _AROUND * np.nanmax(shifts), _STEPS)
-    return eta_less_1[None], np.linspace(0.0, top, _STEPS)[:, None]
+    return np.linspace(left, right, _STEPS)[None], np.linspace(0.0, top, _STEPS)[:, None]
 
 
 def _read(table: Table, axes: tuple[Array, Array], slip: float) -> list[Array]:
-    """ln of the ratio of the pads over that of the ramp, with its bounds; NaN where no stop is."""
+    """Return ln of the ratio over that of the ramp, and its bounds, (k, k) each.
+
+    They are NaN where no stop is expected. The axis ``shift`` of a map is (eta - 1) / z.
+    """
     eta_less_1, z = axes
     shift = eta_less_1 / np.maximum(z, table.map.axes["z"][0])
     read = Reader(table.map, ("change", "change_lower", "change_upper", "share"))
-    *values, share = read(z, shift, slip)
-    return [np.where(share > _SEEN, one, np.nan) for one in values]
+    *changes, share = read(z, shift, slip)
+    return [np.where(share > _SEEN, change, np.nan) for change in changes]
 
 
 def _torques(table: Table) -> tuple[float, float, float]:
-    """Torques of an axle that brakes alone [N m] per z, and the odds of front over rear."""
+    """Return the torque of an axle that brakes alone [N m] at z = 1, front and rear.
+
+    The third value is the front axle's share of the torque over the rear one's, on the ramp [1].
+    """
     car, level = table.vehicle, float(np.exp(np.mean(table.level_map.level)))
     share = float(front_share(car, table.calibration.pad_log_ratio.value))
     front, rear = (level * car.weight * axle.rolling_radius for axle in (car.front, car.rear))

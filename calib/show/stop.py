@@ -1,8 +1,8 @@
-"""A stop over time: the brake torques of its ECU, then the pads, forces and slip behind them.
+"""A stop over time: the brake torques that an ECU answers, then pads, forces and slip.
 
-    columns of an estimate or of a stored result --> torques, pads, forces, slip (Figs. 9 to 16)
+    an estimate or a stored result --> _Stop --> a sheet, Figs. 9 to 16 of the paper
 
-Drawn is the braking, from before the first bite to after the last release.
+The time axis is the braking, from shortly before the first bite to shortly after the last release.
 """
 
 from collections.abc import Iterable, Sequence
@@ -36,11 +36,11 @@ _TOTAL: Stroke = {**style.IDENTIFIED, "linestyle": style.LONG}
 _BEFORE: Stroke = {"linestyle": style.DASH_DOT, "linewidth": 0.9}
 """Look of the pads before the stop, in the colour of the axle."""
 _SLIP_MEAN = 0.3
-"""Window of the mean of slip [s]; longer, as slip is a difference of two nearly equal speeds."""
+"""Window of the mean of slip [s]: long, since slip is the difference of nearly equal speeds."""
 _LEAST = 0.05
-"""Shortest time without a valid answer that is named [s]."""
+"""Shortest time without a valid answer whose reason is named [s]."""
 _BRAKES, _AROUND = 0.02, 0.5
-"""Share of the largest torque from which a sample brakes; time drawn before and after [s]."""
+"""Share of the largest torque above which a sample brakes; time drawn before and after [s]."""
 _GREYS = ("#EFEFEF", "#DEDEDE", "#CFCFCF")
 """Shades of the reasons for no valid answer, the longest first; the last for all others."""
 _NO_SAMPLE = "no sample of this run counts"
@@ -48,10 +48,15 @@ _NO_SAMPLE = "no sample of this run counts"
 
 @dataclass(frozen=True)
 class _Stop:
-    """A stop to draw: ``columns`` of an estimate, ``valid`` where the ECU's answers count (n,).
+    """A stop of n samples to draw.
 
-    ``pads`` are the friction before the stop [1], if known, and ``source`` is where it is from;
-    ``truth`` and ``slips`` are (2, n), if known.
+    Attributes
+    ----------
+    columns : columns (n,) of an estimate or of a stored result, by their names.
+    valid : samples (n,) in which the answer of the ECU counts.
+    source : where the ``pads`` are from, in words.
+    pads : pad friction of the front and the rear axle before the stop [1]; () if not known.
+    truth, slips : true values, and slip of the front and the rear axle [1] (2, n), if known.
     """
 
     columns: Columns
@@ -68,7 +73,7 @@ class _Stop:
 
     @cached_property
     def drawn(self) -> Mask:
-        """Samples of the braking (n,), with some time before and after it."""
+        """Samples of the braking (n,), with some time before and after."""
         torque = np.asarray(self.columns["ecu_brake_torque_sum"])
         brakes = self.time[torque > _BRAKES * np.max(torque)]
         if brakes.size == 0:
@@ -78,42 +83,53 @@ class _Stop:
 
     @cached_property
     def refused(self) -> dict[str, tuple[Mask, float]]:
-        """Samples without a valid answer (n,), and their time [s], by reason; the longest first."""
+        """Samples (n,) without a valid answer, and the drawn time of these [s], by the reason.
+
+        The longest time comes first.
+        """
         if not self.valid.any():
             masks = {_NO_SAMPLE: ~self.valid}
         else:
             number = np.asarray(self.columns["ecu_reason"])
             masks = {reason.words: ~self.valid & (number == reason) for reason in Reason}
         step = float(np.median(np.diff(self.time)))
-        timed = [(why, x, step * np.count_nonzero(x & self.drawn)) for why, x in masks.items()]
-        timed.sort(key=lambda one: -one[2])
-        return {why: (mask, time) for why, mask, time in timed if mask.any()}
+        refused = {
+            why: (mask, step * np.count_nonzero(mask & self.drawn))
+            for why, mask in masks.items()
+            if mask.any()
+        }
+        return dict(sorted(refused.items(), key=lambda item: -item[1][1]))
 
     @property
     def on_map(self) -> Pair:
-        """eta - 1 and z (m,) [1] of the valid samples, as means over `_SLIP_MEAN`."""
+        """eta - 1 and z [1] of the m valid samples, (m,) each, as means over `_SLIP_MEAN`."""
         eta, z = (style.smooth(self.time, self.columns[name], _SLIP_MEAN) for name in ("eta", "z"))
         return eta[self.valid] - 1.0, z[self.valid]
 
     def where_valid(self, name: str) -> Array:
-        """A column (n,), NaN where the ECU has no valid answer."""
+        """Return a column (n,), NaN where the ECU has no valid answer."""
         return np.where(self.valid, self.columns[name], np.nan)
 
 
 def of_result(result: StoredResult) -> Sheet:
-    """The sheet of a stored result, with the verdict of the summary beside it."""
+    """Return the sheet of a stored result, with the verdict of the summary beside the file."""
     stop = _Stop(result.values, result.valid, "on the ramp", result.ramp_pads)
     note = f"Result {result.name}, digest {result.digest[:16]}."
-    return _sheet("stop", result.name, stop, note, [result.verdict] * bool(result.verdict))
+    verdict = [result.verdict] if result.verdict else []
+    return _sheet("stop", result.name, stop, note, verdict)
 
 
-def of_estimate(e: Estimate) -> Sheet:
-    """The sheet of an estimate that nobody judged."""
-    return _sheet("stop", e.run.log.name, _of_estimate(e, None), "", [], e.table)
+def of_estimate(estimate: Estimate) -> Sheet:
+    """Return the sheet of an estimate, which has no verdict."""
+    stop = _of_estimate(estimate, None)
+    return _sheet("stop", estimate.run.log.name, stop, "", [], estimate.table)
 
 
 def of_validation(result: Validation, name: str = "", vehicle: Vehicle | None = None) -> Sheet:
-    """The sheet of a ``result`` of table ``name``, with the pads of the ramp or of ``vehicle``."""
+    """Return the sheet of the ``result`` of a table ``name``.
+
+    It compares with the pads of ``vehicle``; with None, with those of the ramp.
+    """
     stop, table = _of_estimate(result.estimate, vehicle), result.estimate.table
     note = f"Table {name or table.name}, digest {table.digest[:16]}."
     if warned := dict.fromkeys(warning.title for warning in result.all_warnings):
@@ -126,7 +142,7 @@ def of_validation(result: Validation, name: str = "", vehicle: Vehicle | None = 
 
 
 def torque_and_pads(result: Validation) -> Picture:
-    """Brake torque and pad friction of a stop, for a page."""
+    """Return the picture of a page with brake torque and pad friction of a stop."""
 
     def draw() -> Sheet:
         stop = _of_estimate(result.estimate, None)
@@ -136,17 +152,18 @@ def torque_and_pads(result: Validation) -> Picture:
 
 
 def stops_on_map(results: Sequence[Validation]) -> Picture:
-    """Map of the table with all stops, for a page."""
+    """Return the picture of a page with the map of the table and all stops on the map."""
 
     def draw() -> Sheet:
         table = results[0].estimate.table
-        places = {r.log: _of_estimate(r.estimate, None).on_map for r in results}
+        places = {result.log: _of_estimate(result.estimate, None).on_map for result in results}
         return Sheet("stops", table.name, map_panels(table, places)[:1])
 
     return Picture("Where the stops are on the map that the ECU looks up.", draw)
 
 
 def _of_estimate(e: Estimate, vehicle: Vehicle | None) -> _Stop:
+    """Return an estimate as a stop to draw, with the pads of ``vehicle`` or of the ramp."""
     ramp = e.table.calibration
     source, pads = "on the ramp", (ramp.pad_friction_f.value, ramp.pad_friction_r.value)
     if vehicle is not None:
@@ -163,13 +180,18 @@ def _sheet(
     verdict: Sequence[str],
     table: Table | None = None,
 ) -> Sheet:
-    """The sheet of a stop, with the map of the ``table``; torque and pads have most room."""
+    """Return the sheet of a stop, with the map of the ``table``.
+
+    The first text of ``verdict`` goes into the title, the others below. Torque and pads have most
+    room, since they are what the ECU answers.
+    """
     panels = [_torque_panel(stop), _pad_panel(stop), _force_panel(stop), _slip_panel(stop)]
     rows = [(panel.name,) * 2 for panel in panels]
     if table is not None:
         panels.append(map_panels(table, {name: stop.on_map})[0])
         rows[2:] = ("normalised-forces", "map"), ("slip", "map")
-    lost = [f"{t:.1f}{NBSP}s {why}" for why, (_, t) in stop.refused.items() if t >= _LEAST]
+    times = [(time, why) for why, (_, time) in stop.refused.items() if time >= _LEAST]
+    lost = [f"{time:.1f}{NBSP}s {why}" for time, why in times]
     grey = f" Grey, no valid answer: {', '.join(lost)}." if lost else ""
     answer = in_words(means(stop.columns, stop.valid)) or "no valid answer"
     return Sheet(
@@ -193,15 +215,18 @@ def _panel(
     shown: Iterable[Array],
     named: bool = False,
 ) -> Panel:
-    """A panel as high as the values ``shown``; grey with no valid answer, the reasons ``named``."""
+    """Return a panel over time, as high as the values ``shown``, (n,) each.
+
+    Samples without a valid answer are grey; the legend has the reasons if ``named``.
+    """
     marks = list[Mark]()
-    for i, (why, (mask, lasts)) in enumerate(stop.refused.items()):
+    for i, (why, (mask, duration)) in enumerate(stop.refused.items()):
         look: Stroke = {"color": _GREYS[min(i, len(_GREYS) - 1)]}
-        label = f"not valid: {why}" if named and lasts >= _LEAST else ""
+        label = f"not valid: {why}" if named and duration >= _LEAST else ""
         for start, end in true_intervals(mask):
             last = stop.time[min(end, stop.time.size - 1)]
             marks.append(Mark(stop.time[start], last, look, label))
-            label = ""
+            label = ""  # the legend names a reason once
     drawn = stop.time[stop.drawn]
     ends = style.reach(*(np.asarray(x)[stop.drawn] for x in shown), zero=name != "pads")
     return Panel(name, title, "time [s]", y, lines, marks,
@@ -209,7 +234,7 @@ def _panel(
 
 
 def _torque_panel(stop: _Stop) -> Panel:
-    """Torques of the ECU, those with the pads before the stop, and the true ones."""
+    """Return the panel of the ECU's torques, with those of the pads before the stop and truth."""
     lines, beside = list[Line](), list[Line]()
     answers = torques(stop.columns)
     for side, look, torque in zip(SIDES, (style.FRONT, style.REAR, _TOTAL), answers, strict=True):
@@ -218,11 +243,11 @@ def _torque_panel(stop: _Stop) -> Panel:
         label = f"{side}, with 95 % band"
         lines.append(Line(stop.time, torque.value / 1e3, look, label, (low, high), style.MEAN))
     for (axle, look), torque, pad in zip(_STROKES.items(), answers, stop.pads, strict=False):
-        per_pad = torque.value / np.asarray(stop.columns[f"ecu_pad_friction_{axle}"])
+        per_friction = torque.value / np.asarray(stop.columns[f"ecu_pad_friction_{axle}"])
         label = f"{AXLE_NAMES[axle]} pads {stop.source}"
-        ramp_look = {**_BEFORE, "color": look["color"]}
-        mean = style.smooth(stop.time, pad * per_pad / 1e3)
-        beside.append(Line(stop.time, mean, ramp_look, label))
+        look_before = {**_BEFORE, "color": look["color"]}
+        mean = style.smooth(stop.time, pad * per_friction / 1e3)
+        beside.append(Line(stop.time, mean, look_before, label))
     if stop.truth:
         front, rear = 2.0 * stop.truth.torque / 1e3
         true = zip((front, rear, front + rear), ("truth", "", ""), strict=True)
@@ -235,7 +260,7 @@ def _torque_panel(stop: _Stop) -> Panel:
 
 
 def _pad_panel(stop: _Stop) -> Panel:
-    """Fig. 9 and panel (d): the valid estimates over the best ones, the pads before, the truth."""
+    """Return the panel of the pads (Fig. 9): the ECU, the best estimate, before the stop, truth."""
     lines, beside, shown = list[Line](), list[Line](), list[Array]()
     for axle, look in _STROKES.items():
         pad, low, high = (stop.where_valid(f"ecu_pad_friction_{axle}{end}") for end in ENDS)
@@ -250,18 +275,19 @@ def _pad_panel(stop: _Stop) -> Panel:
             beside.append(Line(stop.time, best, thin, f"{AXLE_NAMES[axle]}, best estimate"))
     for (axle, look), mu in zip(_STROKES.items(), stop.pads, strict=False):
         label = f"{AXLE_NAMES[axle]} {stop.source}, {mu:.3f}"
-        ramp_look = {**_BEFORE, "color": look["color"]}
-        beside.append(Line(stop.time[[0, -1]], [mu, mu], ramp_look, label))
+        look_before = {**_BEFORE, "color": look["color"]}
+        beside.append(Line(stop.time[[0, -1]], [mu, mu], look_before, label))
         shown.append(np.full(stop.time.size, mu))
     if stop.truth:
         true = [style.smooth(stop.time, mu) for mu in stop.truth.pad_friction]
-        beside += [Line(stop.time, y, style.TRUTH, "truth" * (y is true[0])) for y in true]
+        labels = zip(true, ("truth", ""), strict=True)
+        beside += [Line(stop.time, mu, style.TRUTH, label) for mu, label in labels]
         shown += true
     return _panel(stop, "pads", "Pad friction", "pad friction [1]", [*lines, *beside], shown)
 
 
 def _force_panel(stop: _Stop) -> Panel:
-    """Normalised forces of the axles around the deceleration."""
+    """Return the panel of the normalised forces of the axles, with the deceleration."""
     strokes = {"normalised_force_f": style.FRONT, "normalised_force_r": style.REAR, "z": style.BODY}
     names = (*AXLE_NAMES.values(), "deceleration over g")
     lines = [
@@ -274,12 +300,15 @@ def _force_panel(stop: _Stop) -> Panel:
 
 
 def _slip_panel(stop: _Stop) -> Panel:
-    """Slip of the axles where v is known, and eta - 1; as high as their valid values."""
-    axles = zip(AXLE_NAMES.values(), stop.slips or (), _STROKES.values(), strict=False)
-    eta = "\u03b7 - 1", np.asarray(stop.columns["eta"]) - 1.0, style.IDENTIFIED
+    """Return the panel of eta - 1, and of the slip of the axles where v is known.
+
+    It is as high as the valid values, without the outermost 0.5 %.
+    """
+    slips = zip(AXLE_NAMES.values(), stop.slips or (), _STROKES.values(), strict=False)
+    shown = [(f"{axle} slip", slip, look) for axle, slip, look in slips]
+    shown.append(("\u03b7 - 1", np.asarray(stop.columns["eta"]) - 1.0, style.IDENTIFIED))
     lines = [
-        Line(stop.time, 100.0 * y, look, name, mean=_SLIP_MEAN)
-        for name, y, look in (*((f"{name} slip", y, look) for name, y, look in axles), eta)
+        Line(stop.time, 100.0 * values, look, name, mean=_SLIP_MEAN) for name, values, look in shown
     ]
     use = stop.valid if stop.valid.any() else stop.drawn
     noise = [np.quantile(np.asarray(line.y)[use], [0.005, 0.995]) for line in lines]
