@@ -1,25 +1,28 @@
 """Declare a command by a function: what it reads, what it writes, what it returns.
 
     @command("brake-cal fit ramp.csv --vehicle car.toml")
-    def fit(logs: list[Path] = logs("Ramps."), *, vehicle: Car, store: Tables) -> Answer:
+    def fit(logs: list[Path] = argument("Ramps.", "LOG..."), *, vehicle: Car) -> Answer:
 
-Options that commands share are types in `cli.options`, others are defaults; each says how what is
-typed is converted. Every command has -q, -v and --json. Bad outputs are refused first.
+Parameters are arguments, keyword-only ones are options; those of a dataclass are its fields. Each
+is declared by `cli.options`, as its default or in its annotation. typer converts what is typed to
+the types that the function declares; `_Declaration` then does the rest, in this order:
+
+    settings    fill in what was not typed
+    outputs     refuse a place that cannot be written
+    make        convert, such as a path to the vehicle of its file
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields, is_dataclass
 from functools import wraps
 from inspect import Parameter, Signature, signature
-from itertools import groupby
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ForwardRef, NamedTuple, get_args, get_origin
+from typing import TYPE_CHECKING, Annotated, Any, ForwardRef, get_args, get_origin
 
 import typer
-from typer.core import TyperGroup
 
-from cli.console import emit, emit_json, misuse, this_run, warn
-from cli.options import from_settings, option
+from cli.console import print_json, print_result, print_warnings, this_run, usage_error
+from cli.options import Extra, from_settings, option
 from cli.outputs import check_file, write_page
 
 if TYPE_CHECKING:
@@ -35,9 +38,9 @@ class Answer:
 
     Attributes
     ----------
-    document : of --json, without its "schema".
+    document : what --json prints, without its "schema".
     result : a text, facts, or a result that `calib.show.facts` knows; its warnings go to stderr.
-    exit_code : 0 if it passed.
+    exit_code : 0 if the command did its work and the result passed.
     out : the folder that was written, which the next step names.
     """
 
@@ -56,7 +59,8 @@ class Answer:
         return facts_of(self.result).written(self.out)
 
 
-def _flag(text: str, *flags: str) -> Any:
+def _switch(text: str, *flags: str) -> Any:
+    """Annotation of an option without a value."""
     return Annotated[bool, option(text, None, *flags)]
 
 
@@ -64,10 +68,10 @@ _COMMON: dict[str, Any] = {
     "report": Annotated[
         Path | None, option("Write one page of HTML here.", "FILE.html", writes="page")
     ],
-    "quiet": _flag("Print the verdict alone, warnings and errors.", "--quiet", "-q"),
-    "verbose": _flag("Print all details of the answer.", "--verbose", "-v"),
-    "json": _flag("Print one JSON document on stdout.", "--json"),
-    "force": _flag("Replace a file that exists, whatever it holds.", "--force"),
+    "quiet": _switch("Print the verdict alone, warnings and errors.", "--quiet", "-q"),
+    "verbose": _switch("Print all details of the answer.", "--verbose", "-v"),
+    "json": _switch("Print one JSON document on stdout.", "--json"),
+    "force": _switch("Replace a file that exists, whatever it holds.", "--force"),
 }
 """Options of every command; --report where it is declared, --force where a file is written."""
 
@@ -77,53 +81,122 @@ def command(
 ) -> Callable[[Callable[..., Any]], Any]:
     """Declare a command by its function, see above.
 
-    Its parameters are arguments, keyword-only ones are options, those of a dataclass its fields. A
-    switch, a list or what may be None is optional. With a parameter ``json`` it prints by itself.
+    A switch, a list or what may be None is optional. A function that has a parameter ``json``
+    prints by itself.
+
+    Parameters
+    ----------
+    examples : lines of the help.
+    report : whether the command has the option --report.
+    cls : another class than that of typer.
     """
 
-    def declare(body: Callable[..., Answer]) -> Callable[..., None]:
-        declared = signature(body).parameters.values()
-        kinds: dict[str, Any] = {p.name: p.annotation for p in declared}
-        groups: dict[str, Any] = {n: kind for n, kind in kinds.items() if is_dataclass(kind)}
-        parameters = {p.name: _parameter(p) for one in declared for p in _parts(one)}
-        infos = {p.name: get_args(p.annotation)[1] for p in parameters.values()}
-        infos |= {"report": get_args(_COMMON["report"])[1]} if report else {}
-        writes = {name: info for name, info in infos.items() if info.writes is not None}
-        is_file = any(info.writes != "folder" for info in writes.values())
-        common = [*["report"] * report, "quiet", "verbose", "json", *["force"] * is_file]
-        every = [*parameters.values(), *(_common(n) for n in common if n not in parameters)]
+    def declare(function: Callable[..., Answer]) -> Callable[..., None]:
+        declaration = _Declaration(function, report)
 
-        @wraps(body)
+        @wraps(function)
         def run(**values: Any) -> None:
-            this, is_forced = this_run(), values.get("force", False)
-            this.quiet, this.verbose, this.force = values["quiet"], values["verbose"], is_forced
-            for name, info in infos.items():
-                if info.setting and not values[name]:
-                    setting = from_settings(info.setting) if info.when(values) else None
-                    default = info.built_in if values[name] is None else values[name]
-                    values[name] = default if setting is None else setting
-            for name in infos.keys() - writes:
-                value = values[name] if isinstance(values[name], list) else [values[name]]
-                if files := [one for one in value if isinstance(one, Path)]:
-                    this.inputs[name] = files
-            for name, info in writes.items():
-                if values[name] is not None and info.writes != "folder":
-                    check_file(values[name], info.writes, _flag_of(name, info))
-            arguments = {name: _converted(name, infos[name], values[name]) for name in parameters}
-            for name, kind in groups.items():
-                arguments[name] = kind(**{f.name: arguments.pop(f.name) for f in fields(kind)})
-            answer = body(**arguments)
-            if "json" not in parameters:
+            answer = function(**declaration.arguments(values))
+            if "json" not in declaration.own:
                 _print_answer(answer, values["json"], values.get("report"))
             if answer.exit_code:
                 raise typer.Exit(answer.exit_code)
 
-        typed = Signature(every, return_annotation=None)
-        run.__annotations__ = {p.name: p.annotation for p in every}
+        parameters = [*declaration.own.values(), *declaration.common.values()]
+        run.__annotations__ = {p.name: p.annotation for p in parameters}
+        typed = Signature(parameters, return_annotation=None)
         vars(run).update(__signature__=typed, examples=examples, cls=cls)
         return run
 
     return declare
+
+
+class _Declaration:
+    """The parameters of a command, as typer reads them and as its function gets them.
+
+    ``own`` are those that the function declares, by name, those of a dataclass one by one;
+    ``common`` are those of every command that the function does not declare.
+    """
+
+    def __init__(self, function: Callable[..., Answer], report: bool):
+        declared = signature(function).parameters.values()
+        self._groups: dict[str, Any] = {
+            p.name: p.annotation for p in declared if is_dataclass(p.annotation)
+        }
+        self.own = {p.name: _typed(p) for one in declared for p in _ungrouped(one)}
+        self._infos = {name: _info(p.annotation) for name, p in self.own.items()}
+        if report:
+            self._infos["report"] = _info(_COMMON["report"])
+        is_file_written = any(_writes_file(info) for info in self._infos.values())
+        left_out = {*self.own, *["report"] * (not report), *["force"] * (not is_file_written)}
+        self.common = {name: _common(name) for name in _COMMON if name not in left_out}
+
+    def arguments(self, values: dict[str, Any]) -> dict[str, Any]:
+        """Return the arguments of the function, by name, from the typed ``values``."""
+        run = this_run()
+        run.quiet, run.verbose = values["quiet"], values["verbose"]
+        run.force = values.get("force", False)
+        self._fill_in(values)
+        self._remember_inputs(values)
+        self._check_outputs(values)
+        arguments = {name: _converted(name, self._infos[name], values[name]) for name in self.own}
+        for name, group in self._groups.items():
+            arguments[name] = group(**{f.name: arguments.pop(f.name) for f in fields(group)})
+        return arguments
+
+    def _fill_in(self, values: dict[str, Any]) -> None:
+        """Fill in a setting of the project, or what is built in, where nothing was typed."""
+        for name, info in self._infos.items():
+            extra: Extra = info.extra
+            if extra.setting and not values[name]:
+                setting = from_settings(extra.setting) if extra.when(values) else None
+                if setting is not None:
+                    values[name] = setting
+                elif values[name] is None:
+                    values[name] = extra.built_in
+
+    def _remember_inputs(self, values: dict[str, Any]) -> None:
+        """Keep the files that are read, which no output may replace."""
+        for name, info in self._infos.items():
+            value = values[name] if isinstance(values[name], list) else [values[name]]
+            files = [one for one in value if isinstance(one, Path)]
+            if files and info.extra.writes is None:
+                this_run().inputs[name] = files
+
+    def _check_outputs(self, values: dict[str, Any]) -> None:
+        """Refuse a file that cannot be written; a command checks a folder itself."""
+        for name, info in self._infos.items():
+            if values[name] is not None and _writes_file(info):
+                check_file(values[name], info.extra.writes, _flag(name, info))
+
+
+def _writes_file(info: Any) -> bool:
+    return info.extra.writes not in (None, "folder")
+
+
+def _info(annotation: Any) -> Any:
+    """Return the declaration by `cli.options` in the annotation of a parameter."""
+    return get_args(annotation)[1]
+
+
+def _ungrouped(parameter: Parameter) -> list[Parameter]:
+    """Return the fields of a dataclass, which are options that commands share, or a parameter."""
+    kind, keyword = parameter.annotation, Parameter.KEYWORD_ONLY
+    if not is_dataclass(kind):
+        return [parameter]
+    return [Parameter(f.name, keyword, annotation=f.type) for f in fields(kind)]
+
+
+def _typed(parameter: Parameter) -> Parameter:
+    """Return a parameter as typer reads it: ``Annotated[type that is typed, declaration]``."""
+    kind, info = parameter.annotation, parameter.default
+    if get_origin(kind) is Annotated:
+        kind, info = get_args(kind)
+    if isinstance(kind, str | ForwardRef):  # what becomes of a file
+        kind = Path | None
+    hint: Any = Annotated[info.extra.typed or kind, info]
+    default = _default(hint, is_option=parameter.kind == Parameter.KEYWORD_ONLY)
+    return parameter.replace(annotation=hint, default=default)
 
 
 def _common(name: str) -> Parameter:
@@ -131,140 +204,51 @@ def _common(name: str) -> Parameter:
     return Parameter(name, Parameter.KEYWORD_ONLY, annotation=hint, default=_default(hint))
 
 
-class Row(NamedTuple):
-    """A command in the help of its group."""
-
-    heading: str
-    name: str
-    summary: str
-
-
-class Group(TyperGroup):
-    """Commands under their headings; a summary is never cut."""
-
-    def rows(self) -> list[Row]:
-        """Every command in the order of the help."""
-        commands: dict[str, Any] = dict(self.commands)
-        return [Row(one.rich_help_panel, name, one.short_help) for name, one in commands.items()]
-
-    def list_commands(self, ctx: Any) -> list[str]:
-        """Names of the commands in the order of the help."""
-        return [row.name for row in self.rows()]
-
-    def format_commands(self, ctx: Any, formatter: Any) -> None:
-        """Write each subject with its commands."""
-        width = max(len(row.name) for row in self.rows())
-        for heading, rows in groupby(self.rows(), lambda row: row.heading):
-            with formatter.section(heading):
-                formatter.write_dl([(row.name.ljust(width), row.summary) for row in rows])
-
-
-def first_sentence(text: str) -> str:
-    r"""The first sentence of a help text, in one line and without its full stop.
-
-    >>> first_sentence("Fit the table of a car.\n\nMore on it.")
-    'Fit the table of a car'
-    """
-    paragraph = " ".join(text.strip().split("\n\n")[0].split())
-    return paragraph.split(". ")[0].removesuffix(".")
-
-
-def add(app: typer.Typer, heading: str, *commands: Any) -> None:
-    """Add commands to a group under a heading of its help."""
-    for function in commands:
-        app.command(
-            function.__name__.rstrip("_"),
-            cls=function.cls,
-            short_help=first_sentence(function.__doc__),
-            epilog=example(*function.examples),
-            rich_help_panel=heading,
-        )(function)
-
-
-def group(name: str, text: str, *examples: str, cls: Any = Group, **more: Any) -> typer.Typer:
-    """Return a group without commands: its help and examples."""
-    # Plain help: typer's boxes import rich, which takes half of the time that --help may take.
-    app = typer.Typer(
-        name=name,
-        cls=cls,
-        rich_markup_mode=None,
-        add_completion=cls is not Group,
-        no_args_is_help=True,
-        short_help=first_sentence(text),
-        epilog=example(*examples),
-        **more,
-    )
-    app.callback(help=text)(_nothing)
-    return app
-
-
-def _nothing() -> None:
-    """Do nothing: a group needs a callback for its help."""
-
-
-def example(*lines: str) -> str:
-    """Epilog of a command's help: ``lines`` that can be run in the folder of the demo."""
-    return "\n".join(("\b", "Example:", *(f"  {line}" for line in lines)))
-
-
-def _parts(parameter: Parameter) -> list[Parameter]:
-    """A parameter, or the fields of a dataclass: options that commands share."""
-    kind, keyword = parameter.annotation, Parameter.KEYWORD_ONLY
-    if not is_dataclass(kind):
-        return [parameter]
-    return [Parameter(f.name, keyword, annotation=f.type) for f in fields(kind)]
-
-
-def _parameter(parameter: Parameter) -> Parameter:
-    """A parameter as typer reads it."""
-    kind, info = parameter.annotation, parameter.default
-    if get_origin(kind) is Annotated:
-        kind, info = get_args(kind)
-    by_name = isinstance(kind, str | ForwardRef)  # what a file becomes
-    hint: Any = Annotated[info.typed or (Path | None if by_name else kind), info]
-    default = _default(hint, parameter.kind == Parameter.KEYWORD_ONLY)
-    return parameter.replace(annotation=hint, default=default)
-
-
-def _default(hint: Any, optional: bool = True) -> Any:
+def _default(hint: Any, *, is_option: bool = True) -> Any:
+    """Return the default value of a parameter for typer; a parameter without one is required."""
     kind, info = get_args(hint)
-    if info.setting and info.built_in is not None:
-        return None  # it may come from the settings
-    if info.built_in is not None or type(None) in get_args(kind):
-        return info.built_in
+    extra: Extra = info.extra
+    if extra.setting and extra.built_in is not None:
+        return None  # the settings come before what is built in
+    if extra.built_in is not None or type(None) in get_args(kind):
+        return extra.built_in
     if kind is bool:
         return False
-    return [] if optional and get_origin(kind) is list else Parameter.empty
+    return [] if is_option and get_origin(kind) is list else Parameter.empty
 
 
 def _converted(name: str, info: Any, value: Any) -> Any:
-    """The value of an option, converted; an error names the option."""
-    if info.make is None or (value is None and not info.always):
+    """Return the value of a parameter, converted; an error names the option."""
+    extra: Extra = info.extra
+    if extra.make is None or (value is None and not extra.always):
         return value
     try:
-        return info.make(value)
+        return extra.make(value)
     except typer.BadParameter as error:
-        error.param_hint = error.param_hint or _flag_of(name, info)
+        error.param_hint = error.param_hint or _flag(name, info)
         raise
     except ValueError as error:
-        raise misuse(str(error), _flag_of(name, info)) from None
+        raise usage_error(str(error), _flag(name, info)) from None
 
 
-def _flag_of(name: str, info: Any) -> str:
-    if info.flags is None:
+def _flag(name: str, info: Any) -> str:
+    """Return how a parameter is called on the command line, such as ``--out`` or ``LOG``."""
+    flags = info.extra.flags
+    if flags is None:
         return str(info.metavar)
-    return str(info.flags[0]) if info.flags else f"--{name.replace('_', '-')}"
+    return str(flags[0]) if flags else f"--{name.replace('_', '-')}"
 
 
 def _print_answer(answer: Answer, as_json: bool, page: Path | None) -> None:
+    """Print an answer, its warnings first, and write it as a page if one is wanted."""
     facts = answer.facts
     if not isinstance(facts, str):
-        warn(facts.warnings)
+        print_warnings(facts.warnings)
         if page is not None:
             write_page(page, facts, "--report")
-    if this_run().documents:
+    if this_run().documents:  # the command has printed its document itself
         return
     if as_json:
-        emit_json({"schema": 1, **answer.document})
+        print_json({"schema": 1, **answer.document})
     elif facts:
-        emit(facts)
+        print_result(facts)

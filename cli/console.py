@@ -1,4 +1,10 @@
-"""Output of the commands: results on stdout, everything else on stderr, safe for a terminal.
+"""What the commands print: results on stdout, everything else on stderr, safe for a terminal.
+
+    begin_run, this_run                       the options and the state of one run of the program
+    say, print_error, print_warnings          messages on stderr
+    usage_error, at_option                    errors of the command line
+    print_result, print_line, print_json      results on stdout
+    progress                                  a progress bar on stderr
 
 rich is imported only where something is drawn, so that `--help` does not wait for it.
 """
@@ -34,36 +40,32 @@ _PIPED_WIDTH = 120
 
 @dataclass
 class _CommandRun:
-    """Options and state of one run of the program.
+    """Options and state of one run of the program."""
 
-    ``inputs`` are the files that were given, by parameter; ``documents`` counts JSON documents that
-    were printed; ``project`` are the settings, once read.
-    """
-
-    quiet: bool = False
+    quiet: bool = False  # the options -q, -v and --force
     verbose: bool = False
     force: bool = False
-    documents: int = 0
-    inputs: dict[str, list[Path]] = field(default_factory=dict)
-    project: "Project | None" = None
-    uses_settings: bool = False
-    interrupted: bool = False
+    documents: int = 0  # number of JSON documents that were printed
+    inputs: dict[str, list[Path]] = field(default_factory=dict)  # typed files, by parameter
+    project: "Project | None" = None  # settings of the project, once they are read
+    uses_settings: bool = False  # whether a value of the settings was used
+    interrupted: bool = False  # whether a signal asked the run to stop
 
     def file(self, name: str) -> Path | None:
-        """The file of an option, if one was given."""
+        """Return the file that was typed for a parameter, None for none."""
         return next(iter(self.inputs.get(name, ())), None)
 
 
 _RUN: ContextVar[_CommandRun] = ContextVar("run")
 
 
-def begin() -> None:
-    """Begin a run, with default options."""
+def begin_run() -> None:
+    """Begin a run with default options."""
     _RUN.set(_CommandRun())
 
 
 def this_run() -> _CommandRun:
-    """The current run, or a default one."""
+    """Return the current run, or a default one."""
     return _RUN.get(_CommandRun())
 
 
@@ -73,51 +75,57 @@ def say(message: str) -> None:
         _console(sys.stderr).print(message, soft_wrap=True)
 
 
-def complain(message: str, word: str = "error:", style: str = "bold red") -> None:
+def print_error(message: str, word: str = "error:", style: str = "bold red") -> None:
     """Print ``error: message`` on stderr."""
-    to = _console(sys.stderr)
-    to.print(word, style=style, end=" ")
-    to.print(message, soft_wrap=True)
+    console = _console(sys.stderr)
+    console.print(word, style=style, end=" ")
+    console.print(message, soft_wrap=True)
 
 
-def warn(warnings: Iterable[object]) -> None:
+def print_warnings(warnings: Iterable[object]) -> None:
     """Print each warning on stderr."""
     for warning in warnings:
-        complain(str(warning), "warning:", "bold yellow")
+        print_error(str(warning), "warning:", "bold yellow")
 
 
-def misuse(message: str, option: str | None = None) -> typer.BadParameter:
+def usage_error(message: str, option: str | None = None) -> typer.BadParameter:
     """Return the error for a mistake in what was typed, at an option or an argument."""
     return typer.BadParameter(message, param_hint=option)
 
 
 @contextmanager
 def at_option(option: str | None, error: type[Exception]) -> Iterator[None]:
-    """Turn an error of the library into a mistake of an option."""
+    """Turn an ``error`` of the library into a mistake in what was typed at an option."""
     try:
         yield
     except error as cause:
-        raise misuse(str(cause), option) from None
+        raise usage_error(str(cause), option) from None
 
 
-def emit(result: "Facts | str", to: IO[str] | None = None) -> None:
-    """Print a result on stdout; details of facts only with -v."""
+class PageText(str):
+    """Markdown of a page of the manual."""
+
+    __slots__ = ()
+
+
+def print_result(result: "Facts | str", stream: IO[str] | None = None) -> None:
+    """Print a result on stdout, or on another stream. The details of facts need -v.
+
+    A terminal shows a `PageText` in a pager, at its width.
+    """
     from calib.show.terminal import drawn
 
     if isinstance(result, PageText) and sys.stdout.isatty():
         _show_page(result)
         return
-    stream, run = to or sys.stdout, this_run()
-    console, piped = _console(stream), _piped(stream)
-    shown = {"quiet": run.quiet, "details": run.verbose}
-    for part in [result] if isinstance(result, str) else drawn(result, **shown):
-        console.print(part, soft_wrap=piped or isinstance(part, str))
-
-
-class PageText(str):
-    """Markdown of a page: a terminal shows it in a pager, at its width."""
-
-    __slots__ = ()
+    stream = stream or sys.stdout
+    console, is_piped = _console(stream), _is_piped(stream)
+    if isinstance(result, str):
+        console.print(result, soft_wrap=True)
+        return
+    run = this_run()
+    for part in drawn(result, quiet=run.quiet, details=run.verbose):
+        console.print(part, soft_wrap=is_piped or isinstance(part, str))
 
 
 def _show_page(text: PageText) -> None:
@@ -131,19 +139,19 @@ def _show_page(text: PageText) -> None:
         console.print(Markdown(for_terminal(text)))
 
 
-def emit_line(text: str) -> None:
+def print_line(text: str) -> None:
     """Print a line on stdout at once."""
     print(printable(text), flush=True)  # noqa: T201
 
 
-def emit_json(document: object) -> None:
-    """Print ``document`` as the only JSON document on stdout; its types are those of `plain`."""
+def print_json(document: object) -> None:
+    """Print ``document`` as the only JSON document on stdout; `plain` says of which types."""
     this_run().documents += 1
     print(json_text(document), end="", flush=True)  # noqa: T201
 
 
 def json_text(document: object) -> str:
-    """``document`` as the text of a JSON file."""
+    """Return ``document`` as the text of a JSON file."""
     return json.dumps(plain(document), indent=2, allow_nan=False) + "\n"
 
 
@@ -158,20 +166,21 @@ def plain(value: object) -> Any:
 
 
 def _unwrapped(value: Any) -> Any:
+    """Convert a mapping, or an array or scalar of numpy, which need not be imported for it."""
     if isinstance(value, Mapping):
         return dict(value)
-    if hasattr(value, "tolist"):  # numpy scalars and arrays, without importing numpy
+    if hasattr(value, "tolist"):
         return value.tolist()
     raise TypeError(f"{type(value).__name__} has no place in a JSON document")
 
 
 Step = Callable[..., None]
-"""Called after each step without arguments, or as step(stage, steps_done, steps_in_all)."""
+"""Called after each step without arguments, or as step(stage, steps_done, in_all)."""
 
 
 @contextmanager
 def progress(task: str = "", total: int | None = None) -> Iterator[Step]:
-    """Show the progress of a task, as a bar on a terminal; yields a `Step`."""
+    """Show the progress of a task, as a bar on a terminal. Yields the `Step` to call."""
     console = _console(sys.stderr)
     if this_run().quiet or not (sys.stderr.isatty() and console.is_interactive):
         if task:
@@ -185,21 +194,21 @@ def progress(task: str = "", total: int | None = None) -> Iterator[Step]:
     with Progress(*columns, console=console, transient=True) as bar:
         task_id = bar.add_task(printable(task), total=total)
 
-        def step(stage: str = "", completed: int = -1, count: int = 0) -> None:
-            if completed < 0:
+        def step(stage: str = "", steps_done: int = -1, in_all: int = 0) -> None:
+            if steps_done < 0:
                 bar.advance(task_id)
-            else:
-                bar.update(task_id, description=printable(stage), completed=completed, total=count)
+                return
+            bar.update(task_id, description=printable(stage), completed=steps_done, total=in_all)
 
         yield step
 
 
-def _piped(stream: IO[str]) -> bool:
+def _is_piped(stream: IO[str]) -> bool:
     return not stream.isatty() and "COLUMNS" not in os.environ
 
 
 def _console(stream: IO[str]) -> "Console":
-    """A console that escapes control characters, also in the cells of a grid."""
+    """Return a console that escapes control characters, also in the cells of a table."""
     from rich.console import Console
     from rich.text import Text
 
@@ -207,6 +216,6 @@ def _console(stream: IO[str]) -> "Console":
         def render_str(self, text: str, **options: Any) -> Text:
             return super().render_str(printable(text, "\n\t"), **options)
 
-    width = _PIPED_WIDTH if _piped(stream) else None
-    # Names and remarks of users may hold brackets and colons, so no string is taken as markup.
+    width = _PIPED_WIDTH if _is_piped(stream) else None
+    # names and remarks of users may hold brackets and colons, so no string is taken as markup
     return SafeConsole(file=stream, width=width, highlight=False, markup=False, emoji=False)

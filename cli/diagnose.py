@@ -1,4 +1,4 @@
-"""`brake-cal diagnose`: where a model and the measured runs disagree, and the missing effect."""
+"""`brake-cal diagnose`: name the effect that the model of a car lacks."""
 
 from pathlib import Path
 from typing import Any
@@ -12,19 +12,19 @@ from cli.options import Car, Map, OwnEffects, Workers, argument, option
 from cli.outputs import check_folder, stems_of, writing
 
 
-class _Greedy(TyperCommand):
-    """A command whose ``--holdout`` takes all logs up to the next option, as from a shell's *."""
+class _ManyHoldouts(TyperCommand):
+    """A command whose ``--holdout`` takes all logs up to the next option, as a shell's * gives."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Repeat ``--holdout`` before each of its logs, then parse as usual."""
         repeated: list[str] = []
         is_holdout = False
-        for arg in args:
-            if arg.startswith("-"):
-                is_holdout = arg == "--holdout"
+        for word in args:
+            if word.startswith("-"):
+                is_holdout = word == "--holdout"
             elif is_holdout and repeated[-1] != "--holdout":
                 repeated.append("--holdout")
-            repeated.append(arg)
+            repeated.append(word)
         return super().parse_args(ctx, repeated)
 
 
@@ -33,7 +33,7 @@ class _Greedy(TyperCommand):
     "sample_logs/hidden/case_0/calibration/ramp.parquet "
     "--holdout sample_logs/hidden/case_0/holdout/stop_a.parquet "
     "--vehicle sample_logs/hidden/case_0/vehicle.toml --out found",
-    cls=_Greedy,
+    cls=_ManyHoldouts,
 )
 def diagnose(
     logs: list[Path] = argument("Logs to search in.", "LOG..."),
@@ -47,8 +47,8 @@ def diagnose(
 ) -> Answer:
     """Name the effect that the model of a car lacks.
 
-    It says where simulation and measured runs disagree, adds the effect, and confirms it on the
-    logs of --holdout. Exit code 0, or 130 if stopped.
+    The answer says where simulation and measured runs disagree, adds the effect, and confirms it on
+    the logs of --holdout. Exit code 0, or 130 if stopped.
     """
     from calib.base.plain import counted
     from calib.base.processes import cores, parallel_map
@@ -61,14 +61,15 @@ def diagnose(
     files = files_of(stems_of(holdout, "--holdout"))
     check_folder(out, [file.as_posix() for file in files])
     car = with_own(vehicle, effect)
-    # a function of one's own acts in one process only
-    count = 1 if car.effects.user_defined else workers or min(cores(), 8)
-    with parallel_map(count, "calib.diagnosis.diagnose") as mapped:
+    processes = workers or min(cores(), 8)
+    if car.effects.user_defined:  # the function of such an effect exists in this process alone
+        processes = 1
+    with parallel_map(processes, "calib.diagnosis.diagnose") as run_parallel:
         with progress() as step:
             runs = read_all([*logs, *holdout], channel_map, step)
         say(f"searching {counted(len(logs), 'log')}, confirming on {len(holdout)}")
         with progress() as step:
-            diagnosis = find(car, runs[: len(logs)], runs[len(logs) :], step, mapped)
+            diagnosis = find(car, runs[: len(logs)], runs[len(logs) :], step, run_parallel)
     with progress("drawing the report"):
         page = page_of(facts_of(diagnosis))
     with writing(out):

@@ -1,11 +1,11 @@
-"""`brake-cal tables export`, `compare` and `merge`: tables leave a store and come back."""
+"""`brake-cal tables export`, `compare` and `merge`: hand out tables, compare and average them."""
 
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cli.command import DAMAGED, Answer, command
-from cli.console import at_option, misuse, say
+from cli.console import at_option, say, usage_error
 from cli.options import Table, Tables, argument, option
 from cli.outputs import EITHER, check_file, check_folder, refuse_foreign, writing
 from cli.sign import Signed
@@ -14,26 +14,27 @@ if TYPE_CHECKING:
     from calib.store.version import Stored
     from calib.table.exported import Precision
 
-_BITS = "In integers of 8, 16 or 32 bits; for c-header, a2l, ecu and FMUs."
-_SINGLE = "In single precision; for c-header, a2l, ecu and FMUs."
+_BITS = "Write integers of 8, 16 or 32 bits; for c-header, a2l, ecu and FMUs."
+_SINGLE = "Write single precision; for c-header, a2l, ecu and FMUs."
+_DOUBLE = "Write double precision; the code for an ECU is else in single precision."
 
 
 @dataclass(frozen=True)
 class Shape:
     """Breakpoints and precision of an exported table."""
 
-    points: Annotated[int | None, option("Breakpoints on each axis; else all rows.", "N")]
+    points: Annotated[int | None, option("Breakpoints on each axis, else all rows.", "N")]
     bits: Annotated[int | None, option(_BITS, "BITS", "--fixed-point")]
     single: Annotated[bool, option(_SINGLE, None, "--float")]
-    double: Annotated[bool, option("In double precision: the code for an ECU else is in single.")]
+    double: Annotated[bool, option(_DOUBLE)]
 
     def precision(self, code: bool = False) -> "Precision | None":
-        """The precision typed, of C ``code`` or not; None for the full table."""
+        """Return the precision that was typed, of C ``code`` or not; None for the full table."""
         from calib.base.errors import ExchangeError
         from calib.table.exported import Precision
 
         if self.double and (self.single or self.bits):
-            raise misuse("one of --float, --fixed-point and --double", "--double")
+            raise usage_error("not beside --float or --fixed-point", "--double")
         if (self.points, self.bits, self.single, code) == (None, None, False, False):
             return None
         single = self.single or (code and not self.double and self.bits is None)
@@ -48,23 +49,27 @@ class Shape:
 def export(
     table: Table,
     *,
-    form: str | None = option("Format, see `manual tables`; else by --out.", "F", "--format"),
+    form: str | None = option("Format, see `manual tables`; else that of --out.", "F", "--format"),
     out: Path = option("File to write, or the folder of the code.", "FILE", writes=EITHER),
     shape: Shape,
-    sample_time: float | None = option("Time of a step [s] of code; else of the logs.", "S"),
-    prefix: str | None = option("First part of all labels; else the table's name.", "NAME"),
+    sample_time: float | None = option(
+        "Time of a step of the code [s], else that of the logs.", "S"
+    ),
+    prefix: str | None = option("First part of all labels, else the name of the table.", "NAME"),
     elf: Path | None = option("Linked program (ELF), for addresses of an A2L.", "FILE"),
-    compiled: bool = option("With a binary for this machine in an FMU; needs FMPy and cmake."),
-    without_effect: list[str] = option("Known effect that no ECU senses; repeatable.", "NAME"),
-    unreleased: bool = option("Also a version that is not released; the file then says so."),
+    compiled: bool = option("Put a binary for this machine into an FMU; needs FMPy and cmake."),
+    without_effect: list[str] = option(
+        "Leave out a known effect that no ECU senses; repeatable.", "NAME"
+    ),
+    unreleased: bool = option("Export a version that is not released; the file says so."),
     signed: Signed,
     store: Tables,
 ) -> Answer:
     """Write a table for a calibration tool or an ECU.
 
-    Only a released one, unless --unreleased is given; a car with a known effect that no ECU senses,
-    such as discs that fade, only --without-effect. Every file states the table's id, digest and
-    state, the checksum of its numbers, and which value holds beyond the ends of an axis.
+    The table must be released, unless --unreleased is given. A car with a known effect that no ECU
+    senses, such as discs that fade, needs --without-effect. Every file has id, digest and state of
+    the table, the checksum of its numbers, and which value holds beyond the ends of an axis.
     """
     from calib.base.errors import ExchangeError
     from calib.ecu.code import FOLDER, write_code
@@ -75,23 +80,26 @@ def export(
     stored = store.load(table) if unreleased else store.released(table)
     signed.check(table, stored)
     kind = (form or "").lower()
-    _check_out(out, stored, prefix, kind == FOLDER)
+    _check_out(out, stored, prefix, is_folder=kind == FOLDER)
     choices: dict[str, Any] = {
         "elf": elf,
         "unreleased": unreleased,
         "without_effects": without_effect,
     }
     if kind not in CODES and (sample_time is not None or compiled):
-        raise misuse(f"for --format {', '.join(CODES)} alone", "--sample-time, --compiled")
+        raise usage_error(f"only with --format {', '.join(CODES)}", "--sample-time, --compiled")
     written: Any
     with at_option(None, ExchangeError), writing(out):
         if kind in CODES:
-            how, step = shape.precision(kind == FOLDER) or Precision(), sample_time
-            if step is None and (step := stored.table.provenance.sample_time) is None:
-                why = "needed: the table does not say that of its logs, or they differ"
-                raise misuse(why, "--sample-time")
-            code = how, step, prefix
-            written = write_code(stored, out, kind, *code, compiled=compiled, **choices)
+            precision = shape.precision(kind == FOLDER) or Precision()
+            step = sample_time
+            if step is None:
+                step = stored.table.provenance.sample_time
+            if step is None:
+                flaw = "missing; the logs of the table have no common time of a step"
+                raise usage_error(flaw, "--sample-time")
+            choices["compiled"] = compiled
+            written = write_code(stored, out, kind, precision, step, prefix, **choices)
         else:
             choices |= {"points": shape.points, "bits": shape.bits, "single": shape.single}
             written = write(stored, out, form, prefix=prefix, **choices)
@@ -100,16 +108,18 @@ def export(
     return Answer(written.to_dict(), repr(written))
 
 
-def _check_out(out: Path, stored: "Stored", prefix: str | None, folder: bool) -> None:
+def _check_out(out: Path, stored: "Stored", prefix: str | None, *, is_folder: bool) -> None:
     """Refuse a place that holds anything but an export of this version."""
     from calib.ecu.code import OURS, files_of
 
-    names, digest = files_of(stored, prefix) if folder else [], stored.digest.encode()
-    if folder:
-        check_folder(out, names)
-    else:
+    digest = stored.digest.encode()
+    if not is_folder:
         check_file(out)
-    refuse_foreign(out / "README.md" if folder else out, lambda data: digest in data)
+        refuse_foreign(out, lambda data: digest in data)
+        return
+    names = files_of(stored, prefix)
+    check_folder(out, names)
+    refuse_foreign(out / "README.md", lambda data: digest in data)
     for name in names:
         refuse_foreign(out / name, lambda data: OURS in data)
 
@@ -118,8 +128,8 @@ def _check_out(out: Path, stored: "Stored", prefix: str | None, folder: bool) ->
 def compare(file: Path = argument("Exported DCM or CDF file.", "FILE"), *, store: Tables) -> Answer:
     """Compare a DCM or CDF file with the table that it names.
 
-    Exit code 3 if it is cut off, damaged or names no table, 4 if it does not agree with the table.
-    Another tool may have saved it: labels are compared, and numbers that were rounded agree.
+    Another tool may have saved the file: labels are compared, and numbers that were rounded agree.
+    Exit code 3 if the file is cut off, damaged or names no table, 4 if it differs from the table.
     """
     from calib.exports.compare import difference, parent
     from calib.exports.read import read_back
@@ -129,19 +139,20 @@ def compare(file: Path = argument("Exported DCM or CDF file.", "FILE"), *, store
     stored = parent(returned_file, store)
     differences = difference(returned_file, stored)
     result = returned_file, stored, differences
-    return Answer(returned_document(*result), returned(*result), DAMAGED * bool(differences.wrong))
+    code = DAMAGED if differences.wrong else 0
+    return Answer(returned_document(*result), returned(*result), code)
 
 
 @command("brake-cal tables merge car@1 car@2 car@3 --name golden")
 def merge(
-    tables: list[str] = argument("name@version or path, one of each car", "CAR@1 CAR@2 ..."),
+    tables: list[str] = argument("Versions or paths, one of each car.", "CAR@1 CAR@2 ..."),
     *,
     name: str = option("Name of the mean table.", "NAME"),
     store: Tables,
 ) -> Answer:
     """Store the mean of several cars as a golden table.
 
-    With the spread between them; its bands are those of one more car of the model.
+    It has the spread between them; its bands are those of one more car of the model.
     """
     from calib.show.store import merged, merged_document
     from calib.store.merge import merge as mean_of

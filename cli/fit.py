@@ -1,4 +1,4 @@
-"""`brake-cal fit`: from ramps to a new version of the vehicle's table."""
+"""`brake-cal fit`: make a new version of the table of a car from ramps."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -33,19 +33,22 @@ def fit(
         "Brake forces of the same pads on a roller brake tester.", "B.toml", make=_BENCH
     ),
     tyre: "tuple[TyreFile, ...]" = option(
-        "Tyre property file; twice, of front and rear.", "T.tir", typed=list[Path], make=_TYRES
+        "Tyre property file; if typed twice, of front and rear.",
+        "T.tir",
+        typed=list[Path],
+        make=_TYRES,
     ),
-    plan: "PlannedRuns | None" = option("Plan, to be compared with.", "P.json", make=_PLAN),
-    fleet_prior: bool = option("Half of the prior from released cars of this model."),
+    plan: "PlannedRuns | None" = option("Plan to compare the result with.", "P.json", make=_PLAN),
+    fleet_prior: bool = option("Take half of the prior from released cars of this model."),
     store: Tables,
     channel_map: Map,
 ) -> Answer:
     """Make the look-up table of a car from ramped brakings.
 
-    A LOG that brakes within less than a second is a stop, and weighs what the ramps leave open.
-    Drag and rolling resistance are estimated from a LOG without braking. Effects of the vehicle
-    file or of --model are removed from the logs first. The table goes into the store as a new
-    version; the same logs give the same version again.
+    A LOG whose brake is applied within less than a second is a stop, which adds to what the ramps
+    tell. A LOG without braking gives drag and rolling resistance. Effects of the vehicle file or of
+    --model are removed from the logs first. The table goes into the store as a new version; the
+    same logs give the same version again.
     """
     from calib.base.plain import counted
     from calib.car.effects.catalogue import with_own
@@ -64,19 +67,19 @@ def fit(
         runs = read_all(logs, channel_map, step, more=1)
         step(f"fitting {car.name}", len(logs), len(logs) + 1)
         digests = [run.digest for run in runs]
-        cars = released_cars(store, car, digests) if fleet_prior else {}
-        table = fit_table(car, runs, mass=mass, bench=bench, tyre=tyre, fleet=cars)
+        fleet = released_cars(store, car, digests) if fleet_prior else {}
+        table = fit_table(car, runs, mass=mass, bench=bench, tyre=tyre, fleet=fleet)
     stored = store.save(table)
-    braked = {log.digest for log in table.provenance.logs if log.role == "ramp"}
-    ramps = [run for run in runs if run.digest in braked]
+    ramp_digests = {log.digest for log in table.provenance.logs if log.role == "ramp"}
+    ramps = [run for run in runs if run.digest in ramp_digests]
     files = files_of("vehicle", "model", "bench", "tyre")
-    used = mass_used(car, mass)
-    reached = compare(plan, table, runs, used) if plan else None
-    fitted = Fitted(stored, used, ramps, files, reached)
+    used_mass = mass_used(car, mass)
+    achieved = compare(plan, table, runs, used_mass) if plan else None
+    fitted = Fitted(stored, used_mass, ramps, files, achieved)
     return Answer(document(fitted), fitted)
 
 
 def files_of(*options: str) -> dict[str, Path]:
-    """The files that were given as ``options`` or as the channel map, by their role on a page."""
-    named = {name: name.replace("_", " ") for name in (*options, "channel_map")}
-    return {role: file for name, role in named.items() if (file := this_run().file(name))}
+    """Return the files that were typed as ``options`` or as channel map, by the name for a page."""
+    files = {name: this_run().file(name) for name in (*options, "channel_map")}
+    return {name.replace("_", " "): file for name, file in files.items() if file is not None}

@@ -1,4 +1,4 @@
-"""Logs of the command line."""
+"""Reading the logs of the command line."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -12,21 +12,24 @@ if TYPE_CHECKING:
 
 
 def read_all(
-    paths: Sequence[Path], mapping: "ChannelMap | None", step: Step, more: int = 0
+    paths: Sequence[Path], channel_map: "ChannelMap | None", step: Step, more: int = 0
 ) -> "list[Log]":
-    """Read logs one by one, with a progress bar that has ``more`` steps after them."""
+    """Read logs one by one, with a progress bar that has ``more`` steps after them.
+
+    Raises LogError for the first one that cannot be used.
+    """
     runs = []
     for i, path in enumerate(paths):
         step(f"reading {path.name}", i, len(paths) + more)
-        runs.append(read(path, mapping))
+        runs.append(read(path, channel_map))
     return runs
 
 
-def read(path: Path, mapping: "ChannelMap | None", **needs: Any) -> "Log":
-    """Read a log as `calib.logs.read.read_log`, and tell what was read."""
+def read(path: Path, channel_map: "ChannelMap | None", **needs: Any) -> "Log":
+    """Read a log as `calib.logs.read.read_log` does with ``needs``; -v prints what was read."""
     from calib.logs.read import read_log
 
-    log = read_log(path, mapping, **needs)
+    log = read_log(path, channel_map, **needs)
     if this_run().verbose:
         say(
             f"read {log.source}: {log.time.size} samples, {log.time[-1] - log.time[0]:.2f} s, "

@@ -1,4 +1,4 @@
-"""`brake-cal demo` and `qualify`: the program tried on this machine."""
+"""`brake-cal demo` and `qualify`: try the program on this machine."""
 
 import glob
 import io
@@ -29,29 +29,30 @@ DOCUMENT, REPORT = "qualification.json", "qualification.html"
 @command("brake-cal qualify", "brake-cal qualify --out qualification")
 def qualify(
     *,
-    store: Path | None = option("Directory of the tables; else as usual.", "DIR"),
+    store: Path | None = option("Folder of the tables, else the usual one.", "DIR"),
     out: Path | None = option(
-        f"Try it, and write {DOCUMENT} and {REPORT}.", "DIR", writes="folder"
+        f"Try the program; write {DOCUMENT} and {REPORT}.", "DIR", writes="folder"
     ),
 ) -> Answer:
     """Say whether the program works on this machine.
 
-    It looks at packages, extras, machine, store and settings, and writes nothing. With --out the
-    program is tried against known truths, and the checks are written with their results. Exit code
-    1 if something that it needs is wrong, or a check does not hold.
+    It looks at packages, extras, machine, store and settings. With --out it compares results of the
+    program with known truths instead, and writes each check with its result. Exit code 1 if
+    something that the program needs is wrong, or a check does not hold.
     """
     from calib.help.doctor import FINE, WRONG, doctor_facts, examine
 
     if out is not None:
         return _qualified(out)
     findings = examine(store)
-    works = all(finding.state != WRONG for finding in findings)
-    document = {"version": VERSION, "verdict": FINE if works else WRONG, "findings": findings}
-    return Answer(document, doctor_facts(findings), FAILED * (not works))
+    is_wrong = any(finding.state == WRONG for finding in findings)
+    verdict = WRONG if is_wrong else FINE
+    document = {"version": VERSION, "verdict": verdict, "findings": findings}
+    return Answer(document, doctor_facts(findings), FAILED if is_wrong else 0)
 
 
 def _qualified(out: Path) -> Answer:
-    """Try the program against known truths, and write the results into ``out``."""
+    """Compare results of the program with known truths, and write the checks into ``out``."""
     from calib.base.plain import counted
     from calib.help.qualify import SUITE, qualification_facts
     from calib.help.qualify import qualify as run_checks
@@ -62,21 +63,21 @@ def _qualified(out: Path) -> Answer:
     with progress(task, len(SUITE)) as step:
         document = run_checks(SUITE, datetime.now(UTC).isoformat(timespec="seconds"), step)
     facts = qualification_facts(document)
-    contents = (REPORT, page_of(facts).encode()), (DOCUMENT, json_text(document).encode())
-    write_folder(out, contents, DOCUMENT)
-    return Answer(document, facts, FAILED * (document["verdict"] == "failed"))
+    page, text = page_of(facts).encode(), json_text(document).encode()
+    write_folder(out, [(REPORT, page), (DOCUMENT, text)], DOCUMENT)
+    return Answer(document, facts, FAILED if document["verdict"] == "failed" else 0)
 
 
 @command("brake-cal demo", "brake-cal demo --out somewhere")
 def demo(
     *,
-    out: Path = option("Of all files.", "DIR", writes="folder", built_in=Path("brake-cal-demo")),
+    out: Path = option("Folder.", "DIR", writes="folder", built_in=Path("brake-cal-demo")),
 ) -> Answer:
     """Try the program on the sample logs, in about half a minute.
 
-    Runs commands that check, fit, validate, diagnose and draw, and says what each answered; a page
-    links the pages they wrote and the paper's figures. Exit code 1 if one gave another answer than
-    expected.
+    It runs commands that check, fit, validate, diagnose and draw, and says what each answered. A
+    page links the pages that they wrote and the figures of the paper. Exit code 1 if a command gave
+    another answer than expected.
     """
     from calib.help.demo import INDEX, STEPS, demo_facts
     from calib.help.samples import sample_logs
@@ -84,39 +85,40 @@ def demo(
 
     check_folder(out, (INDEX,))
     shutil.copytree(sample_logs(), out / "sample_logs", dirs_exist_ok=True)
-    ran = {}
+    results = {}
     with progress(f"running {len(STEPS)} commands in {out}", len(STEPS)) as advance:
         for step in STEPS:
-            ran[step] = answer = _run(out, step)
-            if not step.figure or not answer.passed:
-                failed = "" if answer.passed else "FAILED: "
-                say(f"\n{step.purpose}\n  {step.line}\n  {failed}{answer.answer}")
+            results[step] = result = _run(out, step)
+            if not step.figure or not result.passed:
+                failed = "" if result.passed else "FAILED: "
+                say(f"\n{step.purpose}\n  {step.line}\n  {failed}{result.answer}")
             advance()
-    index = demo_facts(ran, out)
+    index = demo_facts(results, out)
     write_file(out / INDEX, page_of(index).encode())
-    answers = [vars(step) | vars(answer) for step, answer in ran.items()]
+    answers = [vars(step) | vars(result) for step, result in results.items()]
     document = {"folder": out, "index": out / INDEX, "verdict": index.verdict, "steps": answers}
     facts = replace(index, tables=[], next=f"open {out / INDEX}")
-    return Answer(document, facts, FAILED * (index.verdict == "failed"))
+    return Answer(document, facts, FAILED if index.verdict == "failed" else 0)
 
 
 def _run(folder: Path, step: "Step") -> "Ran":
-    """Run one line as a shell in ``folder`` would.
+    """Run the command of a step as a shell in ``folder`` would.
 
-    Its answer is the first line that it prints; that of `plot` is what the picture says.
+    The answer is the first printed line; that of `plot` is what the picture says.
     """
     from calib.base.names import SETTINGS_VARIABLE
     from calib.help.demo import Ran
     from cli.main import main
 
     environment, argv = dict(os.environ), sys.argv
-    os.environ[SETTINGS_VARIABLE] = ""  # no settings of a project around it
+    os.environ[SETTINGS_VARIABLE] = ""  # the settings of a project around the folder do not count
     os.environ.pop("COLUMNS", None)  # lines stay whole
     out, err, code = io.StringIO(), io.StringIO(), 0
-    draws = step.line.startswith("brake-cal plot ")
+    is_plot = step.line.startswith("brake-cal plot ")
     with chdir(folder), redirect_stdout(out), redirect_stderr(err):
-        words = shlex.split(f"{step.line} {'--json' if draws else '-q'}")
-        sys.argv = [file for word in words for file in sorted(glob.glob(word)) or [word]]
+        sys.argv = []
+        for word in shlex.split(f"{step.line} {'--json' if is_plot else '-q'}"):
+            sys.argv += sorted(glob.glob(word)) or [word]
         try:
             copy_context().run(main)
         except SystemExit as ended:
@@ -125,9 +127,10 @@ def _run(folder: Path, step: "Step") -> "Ran":
             sys.argv = argv
             os.environ.clear()
             os.environ.update(environment)
-    if draws and not code:
+    if is_plot and code == 0:
         (sheet,) = json.loads(out.getvalue())["sheets"]
         answer = sheet["result"] or sheet["title"]
     else:
-        answer = "".join((out.getvalue() or err.getvalue()).strip().splitlines()[:1])
-    return Ran(answer, not code and step.expected in answer)
+        lines = (out.getvalue() or err.getvalue()).strip().splitlines()
+        answer = lines[0] if lines else ""
+    return Ran(answer, code == 0 and step.expected in answer)

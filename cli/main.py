@@ -1,22 +1,20 @@
 """The command line: its commands by subject, and the exit codes of their errors."""
 
-import errno
 import gc
-import io
 import os
 import signal
 import sys
-from collections.abc import Callable
 from importlib import import_module
 from itertools import takewhile
 from typing import Annotated, Any
 
 import typer
 
-from calib.base.errors import AnswerError, BrakeCalError, UsageError, program_failure
+from calib.base.errors import BrakeCalError, UsageError, program_failure
 from calib.base.names import PROGRAM
-from cli.command import Group, Row, add, group
-from cli.console import STOP_SIGNALS, begin, complain, emit_json, say, this_run
+from cli.console import STOP_SIGNALS, begin_run, print_error, print_json, say, this_run
+from cli.groups import Group, Row, add, group
+from cli.streams import NotWritten, delivered
 
 _UsageError: Any = typer.BadParameter.__base__
 """What typer raises for a wrong command line; it exports only the one for a wrong value."""
@@ -24,11 +22,9 @@ _UsageError: Any = typer.BadParameter.__base__
 _SUBJECTS = {
     "One car": {
         "plan:plan": "Say which runs make the torque better known, before they are driven",
-        "log:check": "Say for what each log can be used, as far as can be told without a vehicle "
-        "file",
+        "log:check": "Say for what each log can be used, without a vehicle file",
         "fit:fit": "Make the look-up table of a car from ramped brakings",
-        "validate:validate": "Run the estimator with a table on other logs, and judge what an "
-        "ECU makes of it",
+        "validate:validate": "Run the estimator with a table on other logs, and judge it",
         "plot:plot": "Draw tables, logs and results",
     },
     "Tables": {"tables:tables": "Look at tables, release or reject them, hand them out"},
@@ -42,12 +38,12 @@ _SUBJECTS = {
     },
     "Where model and car disagree": {
         "diagnose:diagnose": "Name the effect that the model of a car lacks",
-        "simulate:simulate": "Drive a model of a car by the pressure of a log",
+        "simulate:simulate": "Drive a model of a car by the pressure of a log or a manoeuvre",
         "reference:effects": "List the effects that a model can have",
     },
     "Files and settings": {
         "log:log": "Show, draw, cut or convert logs",
-        "maps:map_": "Propose a channel map for a log of foreign names",
+        "maps:map_": "Propose a channel map for a log with other names",
         "reference:settings": "Show each setting, its value and where it comes from",
         "reference:schema": "Print the JSON Schema of a file or a document",
         "vehicles:vehicle": "Vehicle files: write one, judge one, see what follows",
@@ -68,18 +64,20 @@ _PLACES = {
 
 
 class Commands(Group):
-    """The commands of the program; each is imported when it is typed."""
+    """The commands of the program. Each is imported when it is typed."""
 
     def rows(self) -> list[Row]:
-        """Every command in the order of the help."""
+        """Return every command in the order of the help."""
         return [*_PLACES]
 
     def get_command(self, ctx: Any, name: str) -> Any:
-        """The command of a name, None for an unknown one."""
+        """Return the command of a name, None for an unknown one."""
         places = {row.name: place for row, place in _PLACES.items()}
-        for known in {name} & {*places} or places:  # all, so that typer suggests one
-            if known not in self.commands:
-                self.commands[known] = _load(known, places[known])
+        # of an unknown name all are imported, so that typer can suggest one
+        wanted = [name] if name in places else [*places]
+        for one in wanted:
+            if one not in self.commands:
+                self.commands[one] = _load(one, places[one])
         return super().get_command(ctx, name)
 
 
@@ -106,26 +104,24 @@ app = group(
 )
 
 _INTERRUPTED = 130
-_GARBAGE = 100_000
-"""New objects after which garbage is looked for; usually 700."""
 """Exit code after Ctrl-C and SIGTERM, as `typer` gives it."""
+_OBJECTS_PER_COLLECTION = 100_000
+"""New objects after which CPython looks for garbage; usually 700."""
 
 
-def _print_version(wanted: bool) -> None:
-    if wanted:
+def _print_version(is_wanted: bool) -> None:
+    if is_wanted:
         typer.echo(PROGRAM)
         raise typer.Exit
 
 
+_VERSION: Any = typer.Option(
+    "--version", callback=_print_version, is_eager=True, help="Print the version."
+)
+
+
 @app.callback()
-def options(
-    version: Annotated[
-        bool,
-        typer.Option(
-            "--version", callback=_print_version, is_eager=True, help="Print the version."
-        ),
-    ] = False,
-) -> None:
+def options(version: Annotated[bool, _VERSION] = False) -> None:
     """Calibrate and validate a brake-torque estimator from one ramped braking run.
 
     Exit codes: 0 done or passed; 1 it ran, and the result fails its limits; 2 usage; 3 bad input; 4
@@ -135,17 +131,17 @@ def options(
 
 
 def main() -> None:
-    """Run the command line; the only place that turns errors into messages and exit codes."""
+    """Run the command line. No other place turns errors into messages and exit codes."""
     for library in ("OPENBLAS", "OMP", "MKL"):
         # arrays are small here: threads of the linear algebra take more time than they save
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
-    # a tenth of a short command is the search for garbage that it does not make
-    gc.set_threshold(_GARBAGE)
-    begin()
+    # a short command makes next to no garbage, and spends a tenth of its time on looking for it
+    gc.set_threshold(_OBJECTS_PER_COLLECTION)
+    begin_run()
     for number in STOP_SIGNALS:
-        if signal.getsignal(number) != signal.SIG_IGN:  # as for a job of a shell's background
+        if signal.getsignal(number) != signal.SIG_IGN:  # a shell ignores them in the background
             signal.signal(number, _interrupt)
-    code = _delivered(_run)
+    code = delivered(_run)
     if code == _INTERRUPTED:
         # CPython ends by the signal, not with the exit code, if an interrupt met code made from
         # text, such as that of a dataclass; running other such code takes that back
@@ -159,29 +155,36 @@ def _interrupt(number: int, frame: object) -> None:
 
 
 def _run() -> int:
-    """Exit code of the command line; an error is printed."""
+    """Run the command that was typed, print its error, and return the exit code."""
     try:
         code = app(prog_name="brake-cal", standalone_mode=False) or 0
-    except _NotWritten:
+    except NotWritten:
         raise
     except Exception as error:
         # an interrupt within the import of a library comes back as an error of that import
         if not (this_run().interrupted or isinstance(error, typer.Abort)):
-            failure = _failure(error)
-            _print_json(failure)
-            if isinstance(error, _UsageError) and error.message.startswith("Usage:"):
-                error.show()  # nothing was typed after a group: its help
-            else:
-                complain(str(failure))
-            return failure.exit_code
+            return _report(error)
         code = _INTERRUPTED
     if code == _INTERRUPTED:
         say("stopped; nothing is half-written: the same command goes on, or begins again")
     return int(code)
 
 
+def _report(error: Any) -> int:
+    """Print an error, also as JSON if --json was typed and no document was printed."""
+    failure = _failure(error)
+    options = takewhile(lambda word: word != "--", sys.argv[1:])
+    if "--json" in options and not this_run().documents:
+        print_json({"schema": 1, "error": failure.to_dict()})
+    if isinstance(error, _UsageError) and error.message.startswith("Usage:"):
+        error.show()  # nothing was typed after a group: its help
+    else:
+        print_error(str(failure))
+    return failure.exit_code
+
+
 def _failure(error: Any) -> BrakeCalError:
-    """An error as one of the library; for a fault of the program -v prints the traceback."""
+    """Return an error as one of the library. -v prints the traceback of what nobody caught."""
     if isinstance(error, BrakeCalError):
         return error
     if isinstance(error, _UsageError):
@@ -198,90 +201,45 @@ def _failure(error: Any) -> BrakeCalError:
     return program_failure(error)
 
 
-def _print_json(failure: BrakeCalError) -> None:
-    """Print an error as JSON if --json was given and no document was printed."""
-    options = takewhile(lambda word: word != "--", sys.argv[1:])
-    if "--json" in options and not this_run().documents:
-        emit_json({"schema": 1, "error": failure.to_dict()})
-
-
 def _usage(error: Any) -> UsageError:
-    """A wrong command line as an error of the library."""
+    """Return a wrong command line as an error of the library, in its form instead of typer's."""
+    parameter = getattr(error, "param", None)
+    where = getattr(error, "param_hint", None) or (_name_of(parameter) if parameter else None)
+    problem, expected = error.message.removesuffix("."), ""
+    if hasattr(error, "param_type"):  # typer's MissingParameter
+        problem, expected = "missing", _help_of(parameter)
+    elif hasattr(error, "possibilities"):  # typer's NoSuchOption
+        from calib.base.toml import did_you_mean
+
+        problem = f"unknown option {error.option_name}"
+        near = did_you_mean(error.option_name, error.possibilities or [])
+        problem += f"; {near}" if near else ""
+    for phrase, ours in _PHRASES.items():
+        problem = problem.replace(phrase, ours)
     command = error.ctx.command_path if error.ctx else "brake-cal"
-    hint = getattr(error, "param_hint", None) or ""
-    where = hint if isinstance(hint, str) else " ".join(hint)
-    # without a hint the parser names the option itself, and those that may be meant
-    message = (error.message if where else error.format_message()).removesuffix(".")
-    message = message[:1].lower() + message[1:]
-    return UsageError(message, where=where or None, do=f"see `{command} --help`")
+    problem = problem[:1].lower() + problem[1:]
+    return UsageError(problem, where=where, expected=expected, do=f"see `{command} --help`")
 
 
-# A full disk or a closed pipe must not lose output silently. Rich, typer and the interpreter each
-# treat an OSError in their own way, so the streams raise `_NotWritten`, which none of them knows.
-
-OUT, ERR = 1, 2
-"""File descriptors of stdout and stderr."""
-
-
-class _NotWritten(Exception):
-    """A stream cannot be written; the cause is the OSError."""
+_PHRASES = {
+    "No such command": "unknown command",
+    ". Did you mean": "; did you mean",
+    "Got unexpected extra argument(s)": "unexpected argument",
+}
+"""Phrases of typer, and those of the messages here."""
 
 
-class _Descriptor(io.FileIO):
-    """A file descriptor whose failure is `_NotWritten`."""
-
-    def write(self, data: Any) -> int:
-        try:
-            return super().write(data)
-        except OSError as error:
-            raise _NotWritten(error.strerror) from error
+def _name_of(parameter: Any) -> str:
+    """Return how a parameter is called on the command line: ``--out``, or ``LOG...``."""
+    is_option = parameter.param_type_name == "option"
+    return str(parameter.opts[0] if is_option else parameter.metavar)
 
 
-def _delivered(work: Callable[[], int]) -> int:
-    """Exit code of ``work`` once its output is written, or that of `_undelivered`."""
-    sys.stdout, sys.stderr = _guarded(sys.stdout, OUT), _guarded(sys.stderr, ERR)
-    try:
-        code = work()
-        sys.stdout.flush()
-        sys.stderr.flush()
-    except _NotWritten as lost:
-        return _undelivered(lost)
-    return code
-
-
-def _undelivered(lost: _NotWritten) -> int:
-    """Exit code: 0 after a closed pipe, as of `head`; else that of `AnswerError`, and a message."""
-    # what the interpreter flushes at its exit is discarded
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, OUT)
-    closed = sys.platform == "win32" and getattr(lost.__cause__, "errno", 0) == errno.EINVAL
-    if closed or isinstance(lost.__cause__, BrokenPipeError):
-        os.dup2(nowhere, ERR)
-        return 0
-    try:
-        sys.stderr.write(f"error: {AnswerError(f'the answer could not be written ({lost})')}\n")
-        sys.stderr.flush()
-    except _NotWritten:
-        os.dup2(nowhere, ERR)
-    return AnswerError.exit_code
-
-
-def _guarded(stream: Any, number: int) -> Any:
-    """A ``stream`` of the shell on a `_Descriptor`; another one as it is.
-
-    If the shell has closed it, writing to stdout fails, and messages are discarded.
-    """
-    if stream is None:
-        nowhere = os.open(os.devnull, os.O_RDONLY if number == OUT else os.O_WRONLY)
-        return io.TextIOWrapper(io.BufferedWriter(_Descriptor(nowhere, "w")), write_through=True)
-    binary = getattr(stream, "buffer", None)
-    raw = getattr(binary, "raw", binary)
-    if not isinstance(raw, io.FileIO) or raw.fileno() != number:
-        return stream
-    stream.flush()
-    guard = io.BufferedWriter(_Descriptor(number, "w", closefd=False))
-    settings = {"errors": "backslashreplace", "line_buffering": stream.line_buffering}
-    return io.TextIOWrapper(guard, stream.encoding, **settings)
+def _help_of(parameter: Any) -> str:
+    """Return what is expected of a parameter, from its help text."""
+    text = parameter.help.removesuffix(".")
+    text = text[:1].lower() + text[1:]
+    return text if parameter.param_type_name == "argument" else f"{parameter.metavar} ({text})"
 
 
 if __name__ == "__main__":

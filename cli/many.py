@@ -1,4 +1,4 @@
-"""`brake-cal batch`, `watch` and `fleet`: one command on many logs, and a summary of them."""
+"""`brake-cal batch`, `watch` and `fleet`: run one command on many logs, and sum up the results."""
 
 import json as json_module
 import signal
@@ -15,13 +15,13 @@ from cli import options
 from cli.command import FAILED, UNREADABLE, Answer, command
 from cli.console import (
     STOP_SIGNALS,
-    complain,
-    emit_line,
     json_text,
-    misuse,
+    print_error,
+    print_line,
     progress,
     say,
     this_run,
+    usage_error,
 )
 from cli.options import argument, option
 from cli.outputs import check_folder, write_folder, writing
@@ -32,12 +32,19 @@ if TYPE_CHECKING:
     from calib.line.fleet.rows import Row
     from calib.line.fleet.work import Job
 
-_Job = Annotated[Command, argument("fit, validate or check each log.", "COMMAND")]
+_NAMES = f"{__name__}:_COMMANDS"
+_COMMANDS = tuple(one.value for one in Command)
+_Job = Annotated[
+    Command,
+    argument(
+        "What to do: fit, validate or check.", "COMMAND", typed=str, names=_NAMES, make=Command
+    ),
+]
 
 
 @dataclass(frozen=True)
 class Inputs:
-    """What batch and watch take for all logs."""
+    """Options of `batch` and `watch`, which hold for all logs."""
 
     out: Annotated[Path, option("Write results.parquet and journal here.", "DIR", writes="folder")]
     workers: options.Workers
@@ -46,9 +53,9 @@ class Inputs:
     vehicle: Annotated[
         "Vehicle | None",
         options.vehicle(
-            "fit, validate: vehicle file. Only fit takes it from the settings.",
+            "fit, validate: vehicle file; only fit takes it from the settings.",
             setting="vehicle",
-            when=lambda given: given["command"] == Command.FIT,
+            when=lambda values: values["command"] == Command.FIT,
         ),
     ]
     limits: Annotated[
@@ -57,28 +64,30 @@ class Inputs:
             "validate: limits for pass or fail.",
             options.LIMITS_OF_STOPS,
             always=False,
-            when=lambda given: given["command"] == Command.VALIDATE,
+            when=lambda values: values["command"] == Command.VALIDATE,
         ),
     ]
     channel_map: options.Map
 
     def job(self, command: Command) -> "Job":
-        """The job for each log. Refuses inputs that are missing or not used."""
+        """Return the job for each log. Refuses an option that is missing or not used."""
         from calib.car.vehicle import require_same_car
         from calib.estimation.limits import DEFAULTS
         from calib.line.fleet.results import NAME
         from calib.line.fleet.work import Job
 
-        validates, fits = command is Command.VALIDATE, command is Command.FIT
-        for name, value, is_used, needed in (
-            ("--table", self.table, validates, "validate needs a table" * validates),
-            ("--limits", self.limits, validates, ""),
-            ("--vehicle", self.vehicle, fits or validates, options.NO_VEHICLE * fits),
+        is_validation, is_fit = command is Command.VALIDATE, command is Command.FIT
+        if is_validation and self.table is None:
+            raise usage_error("missing; validate needs a table", "--table")
+        if is_fit and self.vehicle is None:
+            raise usage_error(f"missing; {options.NO_VEHICLE}", "--vehicle")
+        for name, value, is_used in (
+            ("--table", self.table, is_validation),
+            ("--limits", self.limits, is_validation),
+            ("--vehicle", self.vehicle, is_fit or is_validation),
         ):
-            if value is None and needed:
-                raise misuse(needed, name)
             if value is not None and not is_used:
-                raise misuse(f"{command.value} takes none", name)
+                raise usage_error(f"not used by {command.value}", name)
         check_folder(self.out, (NAME,))
         stored = self.store.load(self.table) if self.table else None
         if stored is not None:
@@ -89,7 +98,7 @@ class Inputs:
             command=command,
             table=stored.table if stored else None,
             vehicle=self.vehicle,
-            limits=(self.limits or DEFAULTS) if validates else (),
+            limits=(self.limits or DEFAULTS) if is_validation else (),
             channel_map=self.channel_map,
         )
 
@@ -103,13 +112,13 @@ def batch(
     logs: list[str] = argument("Logs, or folders of logs.", "GLOB|DIR|LOG..."),
     *,
     inputs: Inputs,
-    scheduler: str | None = option("A Dask scheduler instead.", "tcp://HOST:PORT"),
+    scheduler: str | None = option("Use a Dask scheduler.", "tcp://HOST:PORT"),
 ) -> Answer:
     """Run one command on many logs, one row per log.
 
-    A log that cannot be read is a row with its error. A run that was stopped continues when it is
-    started again. `fit` stores no tables. Exit code 0 if no log fails its limits, 1 if one does, 3
-    if none could be read, 130 if stopped.
+    A log that cannot be read is a row with its error. A batch that was stopped continues when the
+    same line is typed again. `fit` stores no tables. Exit code 0 if no log fails its limits, 1 if
+    one does, 3 if none could be read, 130 if stopped.
     """
     from calib.base.plain import counted
     from calib.base.processes import cores
@@ -117,7 +126,7 @@ def batch(
     from calib.line.fleet.workers import Cluster, Pool
 
     if inputs.workers is not None and scheduler is not None:
-        raise misuse("the scheduler has its own workers", "--workers")
+        raise usage_error("not beside --scheduler, which has its own workers", "--workers")
     job, out = inputs.job(command), inputs.out
     workers = Cluster(scheduler) if scheduler else Pool(inputs.workers or cores())
     say(f"{command.value} on {counted(workers.workers, 'worker')}")
@@ -126,61 +135,62 @@ def batch(
             *(job, logs, out, executor),
             lambda b: step(f"{b.finished} of {b.total} logs", b.finished, b.total),
         )
+    code = FAILED if result.counts[Status.FAILED] > 0 else 0
+    if result.counts[Status.ERROR] == result.finished:
+        code = UNREADABLE
     counts = ", ".join(f"{n} {status}" for status, n in sorted(result.counts.items()))
-    failed = result.counts[Status.FAILED] > 0
-    return Answer(
-        result.document(),
-        f"{counted(result.finished, 'log')}: {counts}; {result.results}",
-        UNREADABLE if result.counts[Status.ERROR] == result.finished else FAILED * failed,
-    )
+    text = f"{counted(result.finished, 'log')}: {counts}; {result.results}"
+    return Answer(result.document(), text, code)
 
 
 @command("brake-cal watch check sample_logs/sedan --out watched")
 def watch(
     command: _Job,
-    folder: Path = argument("Folder of logs.", "DIR", exists=True, file_okay=False),
+    folder: Path = argument("Folder of logs.", "DIR"),
     *,
     inputs: Inputs,
-    settle: float = option("Seconds unchanged until complete.", "S", built_in=2.0, min=0.0),
-    json: bool = option("One line of JSON per log.", None, "--json"),
+    settle: float = option("Seconds until a log is complete.", "S", built_in=2.0, min=0.0),
+    json: bool = option("Print one line of JSON per log.", None, "--json"),
 ) -> Answer:
     """Process each log that appears in a folder, until stopped.
 
-    Ctrl-C or SIGTERM stop it, a second one at once. Prints a line per log, after its row is on the
-    disk. Rows are kept as by `batch`: a watch that was stopped continues where it was, and a log
-    that changes is processed again.
+    A line is printed per log, after its row is on the disk. A watch that was stopped continues
+    where it was, and a log that changes is processed again. Ctrl-C or SIGTERM stop it after the
+    logs that it has begun; a second one stops it at once.
     """
     from calib.base.processes import cores
     from calib.line.fleet.results import NAME
     from calib.line.fleet.watch import watch as watch_folder
     from calib.line.fleet.workers import Pool
 
+    if not folder.is_dir():
+        raise usage_error(f"{folder} is no folder; expected a folder of logs", "DIR")
     job, out = inputs.job(command), inputs.out
 
     def on_row(row: "Row") -> None:
         document = {**row.head(), "figures": row.metrics(command)}
-        emit_line(json_module.dumps(document, allow_nan=False) if json else row.line(command))
+        print_line(json_module.dumps(document, allow_nan=False) if json else row.line(command))
 
-    with closing(Pool(inputs.workers or cores())) as pool, writing(out), _stopped() as stop:
+    with closing(Pool(inputs.workers or cores())) as pool, writing(out), _stop_event() as stop:
         say(f"watching {folder} for logs to {command.value}; Ctrl-C ends it")
-        result = watch_folder(job, folder, out, pool, stop, on_row, complain, settle=settle)
+        result = watch_folder(job, folder, out, pool, stop, on_row, print_error, settle=settle)
     counts = ", ".join(f"{n} {status}" for status, n in sorted(result.items()))
     say(f"{counts}; {out / NAME}" if result else "no log came")
     return Answer({})
 
 
 @contextmanager
-def _stopped() -> Iterator[Event]:
-    """An event that Ctrl-C and SIGTERM set; a second signal kills."""
+def _stop_event() -> Iterator[Event]:
+    """Yield an event that the first signal to stop sets; a second signal acts as usual."""
     stop = Event()
-    handlers = {number: signal.getsignal(number) for number in STOP_SIGNALS}
+    usual_handlers = {number: signal.getsignal(number) for number in STOP_SIGNALS}
 
     def end(*_signal: object) -> None:
         stop.set()
-        for number, handler in handlers.items():
+        for number, handler in usual_handlers.items():
             signal.signal(number, handler or signal.SIG_DFL)
 
-    for number in handlers:
+    for number in usual_handlers:
         signal.signal(number, end)
     try:
         yield stop
@@ -194,15 +204,15 @@ def _stopped() -> Iterator[Event]:
     "brake-cal fleet runs",
 )
 def fleet(
-    results: Path = argument("Of `batch`, or a folder of station runs.", "RESULTS.parquet|DIR"),
+    results: Path = argument("Of `batch`, or folder of station runs.", "RESULTS.parquet|DIR"),
     *,
     out: Path | None = option("Write report.html and fleet.json here.", "DIR", writes="folder"),
 ) -> Answer:
     """Show what stands apart in a batch, or the last cars of a station.
 
-    Of RESULTS.parquet of a batch: distributions and outliers. Of a DIR, whose folders are
-    runs of `station --out`: DIR/index.html with verdicts, next steps and trends, and DIR/live.html,
-    which loads itself again.
+    RESULTS.parquet of a batch gives distributions and outliers. A DIR, whose folders are runs of
+    `station --out`, gets DIR/index.html with verdicts, next steps and trends, and DIR/live.html,
+    which reloads itself.
     """
     from calib.base.plain import counted
     from calib.line.fleet.results import open_fleet
@@ -214,7 +224,7 @@ def fleet(
 
     if results.is_dir():
         if out:
-            raise misuse("the pages of a DIR are written there", "--out")
+            raise usage_error("not beside a DIR, whose pages are written into it", "--out")
         with writing(results, "DIR"):
             number = write_index(results)
         files = [results / INDEX, results / LIVE]

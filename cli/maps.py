@@ -1,11 +1,11 @@
-"""`brake-cal map`: propose a channel map for a log of foreign names."""
+"""`brake-cal map`: propose a channel map for a log with other names."""
 
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cli.command import FAILED, UNREADABLE, Answer, command
-from cli.console import complain, emit, misuse, this_run
+from cli.console import print_error, print_result, this_run, usage_error
 from cli.options import argument, channel_map, option
 from cli.outputs import sealed, write_file
 
@@ -14,33 +14,36 @@ if TYPE_CHECKING:
 
 
 def _sources(texts: list[str]) -> dict[str, str]:
+    """Return the column of each channel, from texts ``CHANNEL=NAME``."""
+    sources = {}
     for text in texts:
-        if "=" not in text:
-            raise misuse(f"{text!r} is not CHANNEL=NAME")
-    pairs = (text.partition("=") for text in texts)
-    return {channel.strip(): name.strip() for channel, _, name in pairs}
+        channel, separator, name = text.partition("=")
+        if not separator:
+            raise usage_error(f"{text!r} is not CHANNEL=NAME, such as 'p_mc=BrkPress [kPa]'")
+        sources[channel.strip()] = name.strip()
+    return sources
 
 
 @command("brake-cal map sample_logs/sedan/ramp_wet_asphalt.csv --out map.toml")
 def map_(
-    log: Path = argument("log of foreign names", "LOG"),
+    log: Path = argument("Log with other names.", "LOG"),
     *,
     take: dict[str, str] = option(
-        "Source of a channel; empty: none.", "CHANNEL=NAME", typed=list[str], make=_sources
+        "Column of a channel; repeatable.", "CHANNEL=NAME", typed=list[str], make=_sources
     ),
     radius: list[float] = option(
-        "Radius [m] for wheel speeds in km/h; twice, of front and rear.", "M", min=0.1, max=1.0
+        "Radius [m] of wheel speeds in km/h; twice: front, rear.", "M", min=0.1, max=1.0
     ),
     channel_map: "ChannelMap | None" = channel_map(
-        "Its file format and DBC; not that of the settings."
+        "Channel map with file format and DBC; never that of the settings."
     ),
     out: Path | None = option("Map file to write.", "M.toml", writes="map"),
 ) -> Answer:
-    """Propose a channel map for a log of foreign names.
+    """Propose a channel map for a log with other names.
 
-    By names, units and physics. Prints the map on stdout and the reasons on stderr. Where something
-    is ambiguous it lists the candidates, writes no map and ends with 3. It ends with 1 if the log
-    lacks what every log needs, such as the pressure.
+    The proposal rests on names, units and physics. The map goes to stdout, the reasons to stderr.
+    Where a channel is ambiguous, the candidates are listed, no map is written, and the exit code is
+    3. The exit code is 1 if the log lacks what every log needs, such as the pressure.
     """
     from dataclasses import asdict
 
@@ -50,26 +53,30 @@ def map_(
     from calib.suggest.propose import suggest, to_lines, to_toml, tried
 
     if len(radius) > 2:
-        raise misuse(f"{len(radius)} radii; one, or one of front and one of rear", "--radius")
+        raise usage_error(f"typed {len(radius)} times; expected once or twice", "--radius")
     radii = (radius[0], radius[-1]) if radius else None
     with open_log(log, channel_map) as opened:
         source = as_table(opened.source, str(log))
         suggested = suggest(source, str(log), user_specified=take, radii=radii)
     proposal = tried(suggested, log, channel_map)
     toml = to_toml(proposal, channel_map, None if out is None else out.absolute().parent)
-    certain = not proposal.doubts and bool(proposal.proposals)
-    if certain and out is not None:
+    is_certain = not proposal.doubts and bool(proposal.proposals)
+    if is_certain and out is not None:
         write_file(out, sealed(toml), kind="map")
     if not this_run().quiet:
-        emit(Facts(rows=list(to_lines(proposal))), sys.stderr)
+        print_result(Facts(rows=list(to_lines(proposal))), sys.stderr)
     for doubt in proposal.doubts:
-        complain(f"{doubt.channel}: {doubt}")
-    if not proposal.doubts and not certain:
-        complain(f"{log}: no column is a channel; name them: --take CHANNEL=NAME")
-    if certain and proposal.missing:
-        complain(f"{log}: {', '.join(proposal.missing)} missing: no table can be made of this log")
+        print_error(f"{doubt.channel}: {doubt}")
+    if not proposal.doubts and not is_certain:
+        print_error(f"{log}: no column is a channel; name them: --take CHANNEL=NAME")
+    if is_certain and proposal.missing:
+        missing = ", ".join(proposal.missing)
+        print_error(f"{log}: {missing} missing; a table needs it: log it, or name it with --take")
     record = asdict(proposal)
     record["left"] = record.pop("unused")
-    document = {"certain": not proposal.doubts, **record, "toml": toml if certain else None}
-    text = toml.rstrip("\n") if certain and out is None else ""
-    return Answer(document, text, FAILED * bool(proposal.missing) if certain else UNREADABLE)
+    written = toml if is_certain else None
+    document = {"certain": not proposal.doubts, **record, "toml": written}
+    code = UNREADABLE
+    if is_certain:
+        code = FAILED if proposal.missing else 0
+    return Answer(document, (written or "").rstrip("\n") if out is None else "", code)

@@ -1,10 +1,15 @@
 """Options and arguments: how each is typed, and what it becomes before a command gets it.
 
-`option` and `argument` are typer's, with a conversion ``make``. The annotation of a parameter is
-the type that the command gets; ``typed`` is that which a user types, for typer.
+    option, argument        declare a parameter of a command, with a conversion ``make``
+    require_known, in_si    conversions, and others like them
+    Tables, Car, Map ...    options and arguments that several commands share
+
+The annotation of a parameter is the type that the command gets. It is quoted where that type would
+have to be imported for it; then a path is typed.
 """
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, fields
 from functools import partial
 from importlib import import_module
 from pathlib import Path
@@ -13,7 +18,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from calib.base.names import STORE
-from cli.console import at_option, misuse, say, this_run
+from cli.console import at_option, say, this_run, usage_error
 
 if TYPE_CHECKING:
     from calib.car.effects.catalogue import OwnEffect
@@ -25,47 +30,41 @@ if TYPE_CHECKING:
 LIMITS_OF_STOPS = "calib.line.station.limits_file:limits_of_stops"
 NO_VEHICLE = 'give --vehicle V.toml, or write vehicle = "V.toml" into brake-cal.toml'
 """What to do where a vehicle is needed and none was named."""
-_LISTED = 60
-"""Up to so many known names are listed after an unknown one; of a longer list only the nearest."""
+_MAX_LISTED = 60
+"""Known names that are listed after an unknown one; more of them would hide the message."""
 Make = Callable[[Any], Any] | str
 """A conversion: a function, or "module:NAME" of one that is imported when it is used."""
 
 
+@dataclass(frozen=True)
+class Extra:
+    """What an option or argument has that typer does not know."""
+
+    typed: Any = None  # type that is typed, if it is not that of the annotation
+    make: Callable[[Any], Any] | None = None  # conversion to what the command gets
+    always: bool = False  # whether None is converted, too
+    writes: str | None = None  # kind of an output file, see `cli.outputs`, or "folder"
+    setting: str = ""  # key of the settings file that gives the value if none was typed
+    when: Callable[[Mapping[str, Any]], bool] = lambda values: True  # if the setting is used
+    built_in: Any = None  # value if nothing else gives one
+    flags: tuple[str, ...] | None = None  # how an option is written; None for an argument
+
+
 def option(text: str, metavar: str | None = None, *flags: str, **more: Any) -> Any:
-    """An option with its help ``text``.
+    """Declare an option with its help ``text``.
 
     Parameters
     ----------
     flags : how it is written, if not as its parameter.
-    more : for typer, and these:
-
-        typed       type that is typed, if it differs; a path where the annotation is quoted
-        make        conversion
-        always      convert None, too
-        names       "module:NAME" of the known values: completed, others refused
-        writes      kind of the output file that it names, see `cli.outputs`, or "folder"
-        setting     key of the settings file that gives its value if it is not given
-        when        function of all given options by name: whether the setting is used
-        built_in    value if nothing else gives one
+    more : fields of `Extra`, parameters of typer.Option, and ``names``: "module:NAME" of the known
+        values, which are completed, and any other is refused. ``make`` is a `Make`.
     """
     typer_option: Any = typer.Option  # its types take the first flag for a default
     return _declared(partial(typer_option, *flags), text, metavar, flags=flags, **more)
 
 
-_OURS: dict[str, Any] = {
-    "typed": None,
-    "always": False,
-    "writes": None,
-    "built_in": None,
-    "flags": None,
-    "setting": "",
-    "when": lambda given: True,
-}
-"""Keys of ``more`` that typer does not know, with their default values."""
-
-
 def argument(text: str, metavar: str, **more: Any) -> Any:
-    """An argument; see `option`."""
+    """Declare an argument; the parameters are those of `option`."""
     return _declared(typer.Argument, text, metavar, **more)
 
 
@@ -78,50 +77,64 @@ def _declared(
     names: str = "",
     **more: Any,
 ) -> Any:
+    """Return an option or argument of typer that carries its `Extra` as ``extra``."""
     if names:
         more["autocompletion"] = lambda incomplete: _names(names)
-    ours = {name: more.pop(name, default) for name, default in _OURS.items()}
-    declared = kind(help=text, metavar=metavar, **more)
-    vars(declared).update(ours, make=_checked(make, names) if make or names else None)
-    return declared
+    extra = {one.name: more.pop(one.name) for one in fields(Extra) if one.name in more}
+    info = kind(help=text, metavar=metavar, **more)
+    conversion = partial(_converted, make, names) if make or names else None
+    info.extra = Extra(make=conversion, **extra)
+    return info
 
 
-def _checked(make: Make | None, names: str) -> Callable[[Any], Any]:
-    def checked(value: Any) -> Any:
-        if names and isinstance(value, list):
-            value = [require_known(one, _names(names)) for one in value]
-        elif names:
-            value = require_known(value, _names(names))
-        convert = _imported(make) if isinstance(make, str) else make
-        return convert(value) if convert else value
-
-    return checked
+def _converted(make: Make | None, names: str, value: Any) -> Any:
+    """Return what a command gets of what was typed. Refuses a value that is not a known name."""
+    if names:
+        possible = _names(names)
+        if isinstance(value, list):
+            value = [require_known(one, possible) for one in value]
+        else:
+            value = require_known(value, possible)
+    if make is None:
+        return value
+    convert = _imported(make) if isinstance(make, str) else make
+    return convert(value)
 
 
 def _imported(place: str) -> Any:
+    """Import "module:NAME"."""
     module, _, name = place.partition(":")
     return getattr(import_module(module), name)
 
 
 def _names(place: str) -> list[str]:
+    """Return the names of an iterable, or those that a function returns, at "module:NAME"."""
     names = _imported(place)
     return [str(one) for one in (names() if callable(names) else names)]
 
 
-def require_known(written: str, names: Collection[str], noun: str = "") -> str:
-    """The known name that was written, in capitals or not. Refuses an unknown one."""
+def require_known(
+    written: str, names: Collection[str], noun: str = "", option: str | None = None
+) -> str:
+    """Return the known name that was written, in capitals or not. Refuses an unknown one.
+
+    ``noun`` says what is named, ``option`` where it was typed.
+    """
     from calib.base.toml import did_you_mean
 
-    match = [written] if written in names else [x for x in names if x.lower() == written.lower()]
-    if not match:
-        near = did_you_mean(written, names)
-        listing = f"known: {', '.join(names)}" if len(names) <= _LISTED else ""
-        raise misuse("; ".join(filter(None, (f"unknown {noun}{written!r}", near, listing))))
-    return match[0]
+    matches = [name for name in names if name.lower() == written.lower()]
+    if written in names:
+        return written
+    if matches:
+        return matches[0]
+    parts = [f"unknown {noun}{written!r}", did_you_mean(written, names)]
+    if not parts[1] and len(names) <= _MAX_LISTED:
+        parts[1] = f"known: {', '.join(names)}"
+    raise usage_error("; ".join(filter(None, parts)), option)
 
 
 def from_settings(key: str) -> Any:
-    """The value of a setting, None for none; the file is read once in a run."""
+    """Return the value of a setting, None for none. The file is read once in a run."""
     run = this_run()
     if run.project is None:
         from calib.base.settings_file import find_project
@@ -135,16 +148,16 @@ def from_settings(key: str) -> Any:
 
 
 def read_vehicle(path: Path | None) -> "Vehicle":
-    """The car of a vehicle file."""
+    """Read a vehicle file. Refuses None."""
     from calib.car import vehicle_file
 
     if path is None:
-        raise misuse(f"missing; {NO_VEHICLE}")
+        raise usage_error(f"missing; {NO_VEHICLE}")
     return vehicle_file.read_vehicle(path)
 
 
 def in_si(unit: str, written: str) -> float:
-    """A quantity with its unit, converted to the SI ``unit``."""
+    """Convert a quantity that was typed with its unit to the SI ``unit``."""
     from calib.base.errors import InputError
     from calib.base.toml import quantity
 
@@ -153,48 +166,49 @@ def in_si(unit: str, written: str) -> float:
 
 
 def words(written: str) -> str:
-    """A text that is not empty."""
+    """Return a text. Refuses an empty one."""
     if not written.strip():
-        raise misuse("says nothing")
+        raise usage_error("is empty")
     return written
 
 
 def _version(table: str) -> str:
+    """Return the name of a version, ``name@version``. Refuses a name without version."""
     if "@" not in table:
-        raise misuse(f"{table!r} names no version; give {table}@N, see `brake-cal tables list`")
+        raise usage_error(f"{table!r} names no version; expected {table}@N, with its number")
     return table
 
 
-# Shared options. A quoted type is what the command gets; typer reads the path of a file.
+# Options and arguments that several commands share.
 
 
 def limits(text: str, make: str, always: bool = True, **more: Any) -> Any:
-    """Option for a file of limits, which the settings may name."""
+    """Declare an option for a file of limits, which the settings may name."""
     return option(text, "L.toml", make=make, always=always, setting="limits", **more)
 
 
-def channel_map(text: str = "Channel map, and DBC.", **more: Any) -> Any:
-    """Option for a channel map."""
+def channel_map(text: str = "Channel map, which may name a DBC.", **more: Any) -> Any:
+    """Declare an option for a channel map."""
     return option(
         text, "M.toml", "--map", make="calib.logs.channel_map_file:read_channel_map", **more
     )
 
 
 def vehicle(text: str, always: bool = False, **more: Any) -> Any:
-    """Option for a vehicle file."""
+    """Declare an option for a vehicle file."""
     return option(text, "V.toml", make=read_vehicle, always=always, **more)
 
 
 Tables = Annotated[
     "Store",
-    option("Directory of the tables, tables/ if not given.", "DIR", typed=Path,
+    option("Folder of the tables, tables/ if not given.", "DIR", typed=Path,
            make="calib:Store", built_in=STORE, setting="store"),
 ]  # fmt: skip
 Car = Annotated[
-    "Vehicle", vehicle("Vehicle file; else that of the settings.", always=True, setting="vehicle")
+    "Vehicle", vehicle("Vehicle file, else that of the settings.", always=True, setting="vehicle")
 ]
 OtherPads = Annotated[
-    "Vehicle | None", vehicle("Other nominal pads than the table's; never the settings' vehicle.")
+    "Vehicle | None", vehicle("Vehicle file with other nominal pads than those of the table.")
 ]
 Map = Annotated["ChannelMap | None", channel_map(setting="map")]
 _MASS = 'Mass of the car in these logs, such as "1650 kg", if not that of the vehicle file.'
@@ -211,15 +225,17 @@ StopLimits = Annotated[
     "tuple[Limit, ...]", limits("Limits that decide pass or fail.", LIMITS_OF_STOPS)
 ]
 KnownModel = Annotated[
-    Path | None, option("Model of `diagnose`, whose effects are then known.", "M.toml")
+    Path | None, option("Model that `diagnose` wrote: its effects count as known.", "M.toml")
 ]
-Workers = Annotated[int | None, option("Processes; else all cores.", "N", min=1, max=512)]
-BY = "Name of who decides; else the person of the settings, or the user of this computer."
+Workers = Annotated[
+    int | None, option("Number of processes, else one for each core.", "N", min=1, max=512)
+]
+BY = "Name of who decides, else that of the settings, or the user of this computer."
 By = Annotated[str | None, option(BY, "NAME", setting="by")]
-Reason = Annotated[str, option("Why, for the journal.", "TEXT", make=words)]
-TABLE = "name, name@version or path of a version"
+Reason = Annotated[str, option("Reason, for the journal.", "TEXT", make=words)]
+TABLE = "Name, name@version or path of a version."
 Table = Annotated[str, argument(TABLE, "TABLE")]
-Version = Annotated[str, argument("name@version", "TABLE@N", make=_version)]
+Version = Annotated[str, argument("Version: name@version.", "TABLE@N", make=_version)]
 KEY = "Public key: its file, or its text."
 PublicKey = Annotated[str | None, option(KEY, "PUBLIC", setting="keys.public")]
 Required = Annotated[
@@ -228,5 +244,5 @@ Required = Annotated[
 SignedBy = Annotated[
     str | None,
     option(f"{KEY} With --require-signed.", "PUBLIC", setting="keys.public",
-           when=lambda given: bool(given["require_signed"])),
+           when=lambda values: bool(values["require_signed"])),
 ]  # fmt: skip

@@ -1,28 +1,38 @@
-"""Outputs: one rule for all commands, checked before the work.
+"""Files and folders that the commands write: one rule for all, checked before the work.
 
-Folders are made; of one that exists, files of the same names are replaced. A file is replaced if it
-is empty or this program wrote it, else only with --force. No output replaces an input.
+A folder is made if it does not exist; files of the same names in it are replaced. A single file is
+replaced if it is empty or this program wrote it, else only with --force. No output replaces an
+input.
+
+    check_file, check_folder                refuse a place that cannot be written
+    write_file, write_page, write_folder    write
+    writing                                 turn an error of the system into one of the command line
 """
 
 import errno
 import os
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
+from itertools import chain
 from pathlib import Path
 
 from calib.base.errors import AnswerError
-from cli.console import misuse, say, this_run
+from cli.console import say, this_run, usage_error
 
 OUT = "--out"
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
-"""Errors of the disk (full, quota, file too large, input or output), not of the command line."""
+"""Errors of the disk, not of the command line: full, quota, file too large, input or output."""
 PAGES = (".html", ".htm")
+"""Endings of a page."""
 EITHER = "either"
 """Kind of an output that is a file or a folder, by other options."""
 
 
 def check_file(out: Path, kind: str = "", option: str = OUT) -> None:
-    """Refuse a place where no file of a kind can be written, an input, and a foreign file."""
+    """Refuse a place where a file cannot be written, an input, and a file of others.
+
+    ``kind`` says which endings are possible, "" any. ``option`` is where ``out`` was typed.
+    """
     from calib.logs.write import WRITERS
     from calib.show.sheet import ENDINGS
 
@@ -34,9 +44,9 @@ def check_file(out: Path, kind: str = "", option: str = OUT) -> None:
         "simulation": (".csv", ".parquet"),
     }.get(kind, ())
     if endings and out.suffix.lower() not in endings:
-        raise misuse(f"{out} must end in {', '.join(endings)}", option)
+        raise usage_error(f"{out} must end in {', '.join(endings)}", option)
     if out.is_dir() and kind != EITHER:
-        raise misuse(f"cannot write {out}: it is a directory", option)
+        raise usage_error(f"cannot write {out}: it is a folder; expected a file", option)
     _refuse_parent(out, option)
     _refuse_inputs([out], option)
     if ours := _ours(out, kind):
@@ -44,7 +54,7 @@ def check_file(out: Path, kind: str = "", option: str = OUT) -> None:
 
 
 def _ours(out: Path, kind: str = "") -> Callable[[bytes], bool] | None:
-    """Test whether this program wrote the bytes; None where only equal ones may be replaced."""
+    """Return the test for bytes that this program wrote; None where there is no such test."""
     from calib.show.html import is_page
     from calib.show.sheet import ENDINGS, is_picture
 
@@ -57,7 +67,7 @@ _SEAL = "# unedited: "
 
 
 def sealed(text: str) -> bytes:
-    """A text that people edit, with a line by which it is known as long as nobody did."""
+    """Return a text with a last line that shows whether somebody has edited it since."""
     from calib.base.digest import sha256
 
     return f"{text}{_SEAL}{sha256(text.encode())[:16]}\n".encode()
@@ -69,24 +79,30 @@ def _is_sealed(data: bytes) -> bool:
 
 
 def check_folder(out: Path | None, names: Iterable[str]) -> None:
-    """Refuse a folder that is a file, or in which one of the ``names`` is an input or a folder."""
+    """Refuse a folder that is a file, or in which one of the ``names`` is an input or a folder.
+
+    ``names`` are those of the files that the command will write.
+    """
     from calib.base.write import refuse_obstacles
 
     if out is None:
         return
     names = list(names)
     if out.exists() and not out.is_dir():
-        raise misuse(f"{out} is a file", OUT)
+        raise usage_error(f"{out} is a file; expected a folder", OUT)
     _refuse_parent(out, OUT)
     _refuse_inputs([out / name for name in names], OUT)
     try:
         refuse_obstacles(out, names)
     except OSError as error:
-        raise misuse(f"{error.filename or out} {_unwritable(error)}", OUT) from error
+        raise usage_error(f"{error.filename or out} {_unwritable(error)}", OUT) from error
 
 
 def refuse_foreign(out: Path, ours: Callable[[bytes], bool], option: str = OUT) -> None:
-    """Refuse to replace a file unless it is empty, ``ours`` by its bytes, or --force is given."""
+    """Refuse to replace a file of others.
+
+    A file may be replaced if it is empty, if ``ours`` is true of its bytes, or with --force.
+    """
     from calib.base.bounded import LOG, read_bounded
 
     try:
@@ -95,34 +111,38 @@ def refuse_foreign(out: Path, ours: Callable[[bytes], bool], option: str = OUT) 
     except OSError as error:
         may_replace = isinstance(error, FileNotFoundError)
     if not (may_replace or this_run().force):
-        raise misuse(f"{out} exists and is not what is written here; --force replaces it", option)
+        flaw = f"{out} exists, and this program did not write it"
+        raise usage_error(f"{flaw}; give another name, or replace it with --force", option)
 
 
 def write_file(out: Path, content: bytes, option: str = OUT, kind: str = "") -> None:
-    """Write a file whole. Where only equal bytes count as ours, they are compared here."""
+    """Write a file whole, or leave it as it was.
+
+    Where no test tells a file of this program, only one with equal bytes is replaced.
+    """
     from calib.base.write import write_whole
 
     if _ours(out, kind) is None:
-        refuse_foreign(out, content.__eq__, option)
+        refuse_foreign(out, lambda data: data == content, option)
     with writing(out, option):
         write_whole(out, content)
     say(f"wrote {out}")
 
 
 def write_page(out: Path, result: object, option: str = OUT) -> None:
-    """Write a result or its facts as a page, with live pictures where Bokeh is installed."""
+    """Write a result or its facts as a page, with interactive pictures where Bokeh is installed."""
     from calib.show.facts import facts_of
     from calib.show.html import page_of
     from calib.show.interactive import EXTRA, installed
 
     page = page_of(facts_of(result), live=installed())
     if "<figure>" in page and not installed():
-        say(f"the pictures stand still; to zoom in them: pip install 'brake-cal[{EXTRA}]'")
+        say(f"pictures cannot be zoomed without: pip install 'brake-cal[{EXTRA}]'")
     write_file(out, page.encode(), option)
 
 
 def write_folder(out: Path, contents: Iterable[tuple[str, bytes]], last: str) -> None:
-    """Write all files into a folder, or none; ``last`` is published after all others."""
+    """Write files, name and bytes, into a folder: all or none, the file ``last`` at the end."""
     from calib.base.write import publish, work_folder, write_whole
 
     with writing(out), work_folder(out) as work:
@@ -133,34 +153,38 @@ def write_folder(out: Path, contents: Iterable[tuple[str, bytes]], last: str) ->
 
 
 def stems_of(logs: Iterable[Path], option: str) -> list[str]:
-    """Names of the logs without their endings; each is the name of a file in ``--out``."""
+    """Return the names of logs without their endings, which name the files in ``--out``.
+
+    Refuses two logs of one name. ``option`` is where the logs were typed.
+    """
     from calib.logs.formats import stem_of
 
     stems = [stem_of(path) for path in logs]
     twice = sorted({stem for stem in stems if stems.count(stem) > 1})
     if twice:
-        raise misuse(f"two logs are named {twice[0]}, and --out has one file per name", option)
+        raise usage_error(f"two logs are named {twice[0]}; rename one of them", option)
     return stems
 
 
 @contextmanager
 def writing(out: Path | None, option: str = OUT) -> Iterator[None]:
-    """Make the folder that ``out`` is in; turn an OSError into a usage error that names ``out``.
+    """Make the folder that ``out`` is in, and turn an OSError into an error that names ``out``.
 
-    A folder that was made here and stays empty is removed. Raises AnswerError for a full disk.
+    An empty folder that was made here is removed at the end. The error is one of the command line,
+    or AnswerError for a full disk.
     """
     folders: list[Path] = []
     try:
         if out is not None:
-            above = out.absolute().parent
-            folders = [path for path in (above, *above.parents) if not path.exists()]
-            above.mkdir(parents=True, exist_ok=True)
+            parent = out.absolute().parent
+            folders = [path for path in (parent, *parent.parents) if not path.exists()]
+            parent.mkdir(parents=True, exist_ok=True)
         yield
     except OSError as error:
         why = _unwritable(error)
         if error.errno in FULL:
             raise AnswerError(why, where=out) from error
-        raise misuse(why if out is None else f"{out} {why}", option) from error
+        raise usage_error(why if out is None else f"{out} {why}", option) from error
     finally:
         with suppress(OSError):
             for folder in folders:
@@ -169,18 +193,18 @@ def writing(out: Path | None, option: str = OUT) -> Iterator[None]:
 
 def _refuse_parent(out: Path, option: str) -> None:
     """Refuse a place below a file, or below a folder that cannot be written."""
-    above = next(path for path in out.absolute().parents if path.exists())
-    if not above.is_dir():
-        raise misuse(f"cannot write {out}: {above} is a file, not a directory", option)
-    if not os.access(above, os.W_OK):
-        raise misuse(f"cannot write {out}: no permission to write in {above}", option)
+    folder = next(path for path in out.absolute().parents if path.exists())
+    if not folder.is_dir():
+        raise usage_error(f"cannot write {out}: {folder} is a file, not a folder", option)
+    if not os.access(folder, os.W_OK):
+        raise usage_error(f"cannot write {out}: no permission to write in {folder}", option)
 
 
 def _refuse_inputs(outputs: Iterable[Path], option: str) -> None:
     written = {os.path.realpath(path) for path in outputs}
-    for path in (one for given in this_run().inputs.values() for one in given):
+    for path in chain.from_iterable(this_run().inputs.values()):
         if os.path.realpath(path) in written:
-            raise misuse(f"would overwrite {path}", option)
+            raise usage_error(f"would replace {path}, which is read", option)
 
 
 def _unwritable(error: OSError) -> str:

@@ -1,4 +1,4 @@
-"""`brake-cal plan`: which runs make the answer sharper, before anybody drives them."""
+"""`brake-cal plan`: say which runs make the torque better known, before they are driven."""
 
 import math
 from collections.abc import Callable
@@ -7,25 +7,31 @@ from pathlib import Path
 from typing import Any
 
 from cli.command import FAILED, Answer, command
-from cli.console import json_text, misuse, progress
+from cli.console import json_text, progress, usage_error
 from cli.logs import read_all
 from cli.options import Car, Map, Tables, Workers, in_si, option, require_known
 from cli.outputs import check_folder, write_folder
 
 Quantities = dict[str, float]
-"""Quantities [SI] by name."""
+"""Quantities by name, in SI."""
 
 
 def _quantities(units: dict[str, str], written: str | None) -> Quantities:
-    """SI of a list such as "front 2 %, rear 4 %", by name."""
+    """Return the quantities of a list such as "front 2 %, rear 4 %".
+
+    ``units``: SI unit of each known name. A half width ("1") of 100 % or more lacks its "%".
+    """
     values: Quantities = {}
     for part in written.split(",") if written else ():
         name, _, text = part.strip().partition(" ")
         if name not in units:
-            raise misuse(f"unknown {name!r}; known: {', '.join(units)}")
-        values[name] = in_si(units[name], text.strip())
-        if values[name] <= 0.0:
-            raise misuse(f"{part.strip()} must be more than 0")
+            raise usage_error(f"unknown {name!r}; known: {', '.join(units)}")
+        value = in_si(units[name], text.strip())
+        if value <= 0.0:
+            raise usage_error(f"{part.strip()} must be more than 0")
+        if units[name] == "1" and value >= 1.0:
+            raise usage_error(f"{part.strip()} is {100.0 * value:g} %; expected such as {name} 2 %")
+        values[name] = value
     return values
 
 
@@ -34,10 +40,12 @@ _TRACK = partial(_quantities, {"length": "m", "speed": "m/s"})
 
 
 def _text(text: str, make: Callable[..., object], always: bool = True) -> Any:
+    """Declare an option that is typed as text."""
     return option(text, "TEXT", typed=str | None, make=make, always=always)
 
 
 def _sensors(written: str | None) -> frozenset[str]:
+    """Return the optional channels that are logged, from their names with commas."""
     from calib.base.names import WHEEL_PRESSURES
 
     sensors = ("v", *WHEEL_PRESSURES)
@@ -54,12 +62,12 @@ def _sensors(written: str | None) -> frozenset[str]:
 def plan(
     *,
     vehicle: Car,
-    have: list[Path] = option("A log of the car that is there; repeatable.", "LOG"),
+    have: list[Path] = option("Log of the car that is there already; repeatable.", "LOG"),
     table: str | None = option("Table of the car, for its pads, tyres and noise.", "TABLE"),
-    want: Quantities = _text('Enough (95 %): "front 2 %, rear 4 %, total 2 %".', _WANT),
+    want: Quantities = _text('What is enough (95 %): "front 2 %, rear 4 %, total 2 %".', _WANT),
     time: float | None = _text('Time to spend, such as "90 s".', partial(in_si, "s"), False),
-    track: Quantities = _text('"length 300 m, speed 120 km/h"; else 100 km/h.', _TRACK),
-    sensors: frozenset[str] = _text("What is logged of v, p_fl, p_fr, p_rl, p_rr.", _sensors),
+    track: Quantities = _text('Track: "length 300 m, speed 120 km/h", else 100 km/h.', _TRACK),
+    sensors: frozenset[str] = _text("What of v, p_fl, p_fr, p_rl, p_rr is logged.", _sensors),
     store: Tables,
     channel_map: Map,
     workers: Workers,
@@ -67,8 +75,8 @@ def plan(
 ) -> Answer:
     """Say which runs make the torque better known, before they are driven.
 
-    Cars as the file has them, or as the logs that are there say, are simulated and fitted. With
-    --report it writes a card for the driver. Exit code 1 if what is wanted cannot be had.
+    Cars as the vehicle file or the logs of --have tell are simulated and fitted. --report writes a
+    page for the driver. Exit code 1 if what is wanted cannot be had.
     """
     from calib.base.processes import cores
     from calib.plan.achieved import DOCUMENT, HalfWidths
@@ -89,5 +97,5 @@ def plan(
     if out is not None:
         files = [*pressure_files(result), (DOCUMENT, json_text(answer).encode())]
         write_folder(out, files, DOCUMENT)
-    unmet = bool(want) and not answer["met"]
-    return Answer(answer, result, FAILED * unmet, out=out)
+    code = FAILED if want and not answer["met"] else 0
+    return Answer(answer, result, code, out=out)

@@ -1,11 +1,11 @@
-"""`brake-cal plot`: tables, results and logs as figures in a file."""
+"""`brake-cal plot`: draw tables, results and logs into files."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cli import options
 from cli.command import Answer, command
-from cli.console import misuse, progress, say
+from cli.console import progress, say, usage_error
 from cli.logs import read
 from cli.options import argument, option, require_known
 from cli.outputs import PAGES, write_page, writing
@@ -24,36 +24,36 @@ if TYPE_CHECKING:
     "brake-cal plot sedan-2up sample_logs/sedan/basalt_wet_pads.csv",
 )
 def plot(
-    sources: list[str] = argument("A table, logs, results of validate.", "TABLE|RESULT|LOG..."),
+    sources: list[str] = argument("Table, logs, results of validate.", "TABLE|RESULT|LOG..."),
     *,
-    out: Path | None = option("A .png, .svg, .pdf or .html.", "FILE", writes="drawing"),
+    out: Path | None = option("File: .png, .svg, .pdf or .html.", "FILE", writes="drawing"),
     store: options.Tables,
     vehicle: options.OtherPads,
-    figure: str | None = option("One panel of the page, not all; see above.", "NAME"),
+    figure: str | None = option("Draw only this panel; see above.", "NAME"),
     limits: options.StopLimits,
     channel_map: options.Map,
 ) -> Answer:
     """Draw tables, logs and results.
 
-    A table: its curves and its map, and with the ramps it was made of, their measured points. A
-    table and another log: the stop and its verdict. A log: its channels. A PDF or HTML file holds
-    all pages, of PNG and SVG there is one file per page; without --out they are PNG files in this
-    directory, named after their content.
+    A table is drawn with its curves and its map, and with the points of the ramps of its fit if
+    they are given. A table and another log give the stop and its verdict. A log gives its channels.
+    A PDF or HTML file holds all pages; of PNG and SVG there is one file per page. Without --out
+    PNG files are written into this folder, named after their content.
 
-    Panels for --figure, of a table: f1-f2, map, map-band, tyre, posterior, pairs. Of a stop or a
-    result: axle-torques, pads, normalised-forces, slip, and map of a stop. Of a log: eta, and its
-    channels: omega, p_mc, ...
+    Panels for --figure of a table: f1-f2, map, map-band, tyre, posterior, pairs. Those of a stop or
+    a result: axle-torques, pads, normalised-forces, slip; of a stop also map. Those of a log: eta,
+    and its channels: omega, p_mc and so on.
     """
     from calib.show.choose import sheet_facts, sheets
     from calib.show.stop import of_result
 
     table, logs, results = _read(sources, store, channel_map)
     if vehicle and not (table and logs):
-        raise misuse("only with a TABLE and a LOG", "--vehicle")
+        raise usage_error("only with a TABLE and a LOG", "--vehicle")
     drawn = [*sheets(table, logs, vehicle, limits), *map(of_result, results)]
     if figure is not None:
         for sheet in drawn:
-            require_known(figure, sheet.names, "figure ")
+            require_known(figure, sheet.names, "figure ", "--figure")
     if out is not None and out.suffix.lower() in PAGES:
         files = [out]
         write_page(out, sheet_facts(drawn, figure))
@@ -61,25 +61,36 @@ def plot(
         files = _draw(drawn, out, figure)
     for sheet in drawn:
         say(f"{sheet.title}: {', '.join(sheet.names)} (one alone with --figure NAME)")
-    keys = ("kind", "name", "title", "result", "note")
-    documents = [{k: getattr(s, k) for k in keys} | {"figures": s.names} for s in drawn]
+    documents = [_document(sheet) for sheet in drawn]
     return Answer({"files": files, "sheets": documents}, "\n".join(map(str, files)))
+
+
+def _document(sheet: "Sheet") -> dict[str, object]:
+    keys = ("kind", "name", "title", "result", "note")
+    return {**{key: getattr(sheet, key) for key in keys}, "figures": sheet.names}
 
 
 def _read(
     sources: list[str], store: options.Tables, channel_map: options.Map
 ) -> "tuple[Stored | None, list[Log], list[StoredResult]]":
-    """Read all inputs; a name that is no log and no result is a table."""
+    """Read the table, the logs and the results. What is neither log nor result names a table."""
     from calib.logs.formats import ending_of
     from calib.logs.read import FORMATS, REQUIRED
     from calib.show.result import is_result, read_result
 
-    files = [Path(name) for name in sources]
-    results = [p for p in files if is_result(p)]
-    logs = [p for p in files if p not in results and ending_of(p) in FORMATS]
-    names = [w for w, p in zip(sources, files, strict=True) if p not in results and p not in logs]
+    results: list[Path] = []
+    logs: list[Path] = []
+    names: list[str] = []
+    for source in sources:
+        file = Path(source)
+        if is_result(file):
+            results.append(file)
+        elif ending_of(file) in FORMATS:
+            logs.append(file)
+        else:
+            names.append(source)
     if len(names) > 1:
-        raise misuse("give one table; `tables compare` compares two", "TABLE")
+        raise usage_error("expected one table; `tables diff` compares two", "TABLE")
     table = store.load(names[0]) if names else None
     if table:
         say(f"{table.id} is {table.state.description}")
@@ -89,7 +100,7 @@ def _read(
 
 
 def _draw(drawn: "list[Sheet]", out: Path | None, figure: str | None) -> list[Path]:
-    """Write one PDF with all, else one file for each, named after its content."""
+    """Write all sheets into one PDF, or each into a file of its own, named after its content."""
     from calib.base.plain import counted
     from calib.show.sheet import save
 

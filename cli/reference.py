@@ -1,9 +1,9 @@
-"""`brake-cal effects`, `schema`, `settings` and `manual`: what can be looked up."""
+"""`brake-cal effects`, `schema`, `settings` and `manual`: look something up."""
 
 from typing import TYPE_CHECKING
 
 from cli.command import Answer, command
-from cli.console import PageText, emit_json, say
+from cli.console import PageText, print_json, say
 from cli.options import OwnEffects, argument, require_known
 
 if TYPE_CHECKING:
@@ -18,26 +18,27 @@ _KINDS = "calib.help.documents:kinds"
 )
 def effects(
     name: str | None = argument(
-        "One effect; if not given, all.", "NAME", autocompletion=lambda: [*_catalogue()]
+        "Effect, else all.", "NAME", autocompletion=lambda: [*_catalogue()]
     ),
     *,
     effect: OwnEffects,
 ) -> Answer:
     """List the effects that a model can have.
 
-    With a NAME its card is printed; with --effect a file of your own is checked.
+    NAME prints the card of one effect. --effect checks a file of your own.
     """
     from calib.show.vehicle import card, cards
 
-    catalogue = {**_catalogue(), **{one.name: one.effect for one in effect}}
+    catalogue = {**_catalogue(), **{own.name: own.effect for own in effect}}
     if name is None:
-        chosen = [one.card for one in catalogue.values()]
-        return Answer({"effects": chosen}, cards(chosen))
-    require_known(name, catalogue, "effect ")
-    return Answer({"effects": [catalogue[name].card]}, card(catalogue[name].card))
+        all_cards = [one.card for one in catalogue.values()]
+        return Answer({"effects": all_cards}, cards(all_cards))
+    chosen = catalogue[require_known(name, catalogue, "effect ", "NAME")].card
+    return Answer({"effects": [chosen]}, card(chosen))
 
 
 def _catalogue() -> "dict[str, Effect]":
+    """Return the effects that the program knows, by name."""
     from calib.car.effects.catalogue import CATALOGUE
 
     return dict(CATALOGUE)
@@ -45,18 +46,18 @@ def _catalogue() -> "dict[str, Effect]":
 
 @command("brake-cal schema vehicle", "brake-cal schema fit-json")
 def schema(
-    name: str | None = argument("A kind; else the list.", "NAME", names=_KINDS),
+    name: str | None = argument("Kind of file or document, else the list.", "NAME", names=_KINDS),
 ) -> Answer:
     """Print the JSON Schema of a file or a document.
 
-    Of a file that is read it gives keys, units and ranges, of a document that --json prints or a
-    command writes the keys of the first level, in draft 2020-12.
+    The schema of a file that is read has keys, units and ranges. That of a document that a command
+    prints or writes has the keys of the first level. All are of draft 2020-12.
     """
     from calib.help.documents import FILES, documents, schema_of
     from calib.show.facts import Facts
 
     if name is not None:
-        emit_json(schema_of(name))
+        print_json(schema_of(name))
         return Answer({})
     written = {name: one.title for name, one in documents().items()}
     facts = Facts(rows=[*FILES.items(), *written.items()])
@@ -67,8 +68,8 @@ def schema(
 def settings() -> Answer:
     """Show each setting, its value and where it comes from.
 
-    The file is brake-cal.toml in this folder or the nearest one above that has it; the variable
-    BRAKE_CAL_SETTINGS names another one, or none if it is empty. An option wins over it.
+    The file is brake-cal.toml in this folder or the nearest one above. The variable
+    BRAKE_CAL_SETTINGS names another file, or none if it is empty. An option wins over a setting.
     """
     from calib.base.names import SETTINGS_FILE, SETTINGS_VARIABLE, STORE
     from calib.base.settings_file import find_project
@@ -77,28 +78,34 @@ def settings() -> Answer:
 
     project = find_project()
     if project.file is None:
-        folders = f"no {SETTINGS_FILE} in {', '.join(map(str, project.folders))}"
-        say(folders if project.folders else f"no settings file: {SETTINGS_VARIABLE} is empty")
-    usual = {"store": STORE, "require_signed": False, "by": user()}
+        message = f"no settings file: {SETTINGS_VARIABLE} is empty"
+        if project.folders:
+            message = f"no {SETTINGS_FILE} in {', '.join(map(str, project.folders))}"
+        say(message)
+    built_in = {"store": STORE, "require_signed": False, "by": user()}
     settings: dict[str, dict[str, object]] = {}
     for key, value in project.settings.items():
         source = "environment" if key == "by" else "built-in"
-        settings[key] = {
-            "value": usual.get(key) if value is None else value,
-            "source": source if value is None else f"file:{project.file}",
-        }
+        if value is None:
+            settings[key] = {"value": built_in.get(key), "source": source}
+        else:
+            settings[key] = {"value": value, "source": f"file:{project.file}"}
     cells = [(k, _written(one["value"]), str(one["source"])) for k, one in settings.items()]
     document = {"file": project.file, "searched": project.folders, "settings": settings}
     return Answer(document, Facts(tables=[Table(("setting", "value", "from"), cells)]))
 
 
 def _written(value: object) -> str:
+    """Return a value as people write it."""
     if isinstance(value, list):
         return ", ".join(value) or "none"
-    return str(value).lower() if value is None or isinstance(value, bool) else str(value)
+    if value is None or isinstance(value, bool):
+        return str(value).lower()
+    return str(value)
 
 
 def _topics() -> list[str]:
+    """Return the names of the pages and the codes."""
     from calib.help.explain import codes
     from calib.help.page import contents
 
@@ -108,14 +115,14 @@ def _topics() -> list[str]:
 @command("brake-cal manual ramp", "brake-cal manual a_x_scale")
 def manual(
     topic: str | None = argument(
-        "A page, or a code; else a list of the pages.", "PAGE|CODE", names=f"{__name__}:_topics"
+        "Page or code, else the list of the pages.", "PAGE|CODE", names=f"{__name__}:_topics"
     ),
 ) -> Answer:
     """Show the pages of the manual, one of them, or what a code means.
 
-    Codes are those of warnings and metrics in JSON documents and limits files, and the reasons of
-    an ECU for no valid answer. On a terminal a page is shown by the pager that PAGER names; a pipe
-    gets its Markdown.
+    A code is that of a warning or a metric in JSON documents and limits files, or the reason of an
+    ECU for no valid answer. On a terminal the pager that PAGER names shows the page; a pipe gets
+    its Markdown.
     """
     from calib.help.explain import explained
     from calib.help.page import contents

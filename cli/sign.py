@@ -1,4 +1,4 @@
-"""`brake-cal tables sign`, and what other commands ask of signatures by --require-signed."""
+"""`brake-cal tables sign`, and the signatures that other commands require."""
 
 import sys
 from dataclasses import dataclass
@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cli.command import Answer, command
-from cli.console import misuse, say
+from cli.console import say, usage_error
 from cli.options import Required, SignedBy, Tables, argument, option
 
 if TYPE_CHECKING:
@@ -20,11 +20,11 @@ if TYPE_CHECKING:
     "brake-cal tables sign sedan-2up@2 --key line.key",
 )
 def sign(
-    table: str | None = argument("name@version", "TABLE@N"),
+    table: str | None = argument("Version to sign.", "TABLE@N"),
     *,
-    key: Path = option("Secret key; keep it.", "SECRET"),
-    new_key: Path | None = option("Make a pair: write SECRET, and this to hand out.", "PUBLIC"),
-    no_password: bool = option("With --new-key: do not protect the secret key by a password."),
+    key: Path = option("File of the secret key.", "SECRET"),
+    new_key: Path | None = option("Make SECRET and this public key.", "PUBLIC"),
+    no_password: bool = option("Do not protect a new key by a password."),
     store: Tables,
 ) -> Answer:
     """Sign a version and its state.
@@ -32,8 +32,8 @@ def sign(
     The signature is a file of minisign beside the folder of the version. It covers every curve and
     the history so far, and holds until the state changes; then sign again.
 
-    With --new-key it makes a pair of keys instead, both files of minisign. A password is asked for
-    without echo, of a new key twice; where stdin is no terminal, it is a line of stdin.
+    With --new-key a pair of keys is made instead, both files of minisign. The password of a key is
+    asked for without echo, that of a new key twice; if stdin is no terminal, it is a line of stdin.
     """
     from calib.store import signature
     from calib.store.folders import RECORD
@@ -42,9 +42,9 @@ def sign(
     if new_key is not None:
         return _new_pair(table, key, new_key, no_password)
     if no_password:
-        raise misuse("only with --new-key", "--no-password")
+        raise usage_error("only with --new-key", "--no-password")
     if table is None or "@" not in table:
-        raise misuse("give name@version, see `brake-cal tables list`")
+        raise usage_error("expected name@version, see `brake-cal tables list`", "TABLE@N")
     store.load(table)
     secret = read_secret_key(key, lambda: _typed("Password of the key: "))
     signed = signature.sign(store, table, secret)
@@ -57,13 +57,16 @@ def sign(
 
 
 def _new_pair(table: str | None, secret: Path, public: Path, no_password: bool) -> Answer:
+    """Make a pair of keys, whose files are ``secret`` and ``public``."""
     from calib.store.minisign import generate
 
     if table is not None:
-        raise misuse("makes a key and signs no table", "--new-key")
-    password = "" if no_password else _typed("Password of the new key (empty: none): ")
-    if not no_password and password != _typed("The same once more: "):
-        raise misuse("the two passwords differ; nothing was made")
+        raise usage_error("makes keys and signs no table; leave TABLE@N out", "--new-key")
+    password = ""
+    if not no_password:
+        password = _typed("Password of the new key (empty: none): ")
+        if password != _typed("The same once more: "):
+            raise usage_error("the two passwords differ; no key was made")
     pair = generate(secret, public, password)
     key = {"key_id": pair.key_id, "public_key": pair.text}
     protection = "protected by the password" if password else "without a password"
@@ -76,41 +79,43 @@ def _new_pair(table: str | None, secret: Path, public: Path, no_password: bool) 
 
 
 def _typed(prompt: str) -> str:
-    """A password from the terminal, without echo, or else one line of stdin."""
+    """Read a password from the terminal, without echo, or else one line of stdin."""
     try:
         return getpass(prompt) if sys.stdin.isatty() else input()
     except (EOFError, UnicodeDecodeError):
-        raise misuse("no password was typed") from None
+        raise usage_error("no password was typed") from None
 
 
 @dataclass(frozen=True)
 class Signed:
-    """Signature that a command requires of a table."""
+    """Options of a command that may require a signature of a table."""
 
     require_signed: Required
     key: SignedBy
 
     @property
     def public(self) -> "PublicKey | None":
-        """The key that must have signed; None where no signature is asked for."""
+        """The key that must have signed; None where no signature is required."""
         from calib.store.minisign import read_public_key
 
         if self.key and not self.require_signed:
-            raise misuse("only with --require-signed", "--key")
+            raise usage_error("only with --require-signed", "--key")
         if self.require_signed and not self.key:
-            where = "needs --key PUBLIC, or public under [keys] of brake-cal.toml"
-            raise misuse(where, "--require-signed")
+            flaw = "needs --key PUBLIC, or public under [keys] of brake-cal.toml"
+            raise usage_error(flaw, "--require-signed")
         return read_public_key(self.key) if self.key else None
 
     def check(self, table: str, stored: "Stored") -> None:
-        """Raise SignatureRefused unless a signature of the key holds, if one is asked for.
+        """Raise SignatureRefused unless a signature of the key holds, if one is required.
 
         ``table`` is what was typed: a bare name means the newest version that may be used.
         """
         from calib.store.signature import require_signed
 
-        if public := self.public:
-            signature = require_signed(stored, public, newest=table == stored.name)
-            say(f"{stored.id} is signed as {stored.state.word} by key {public.key_id}")
-            if signature.note:
-                say(signature.note)
+        public = self.public
+        if public is None:
+            return
+        signature = require_signed(stored, public, newest=table == stored.name)
+        say(f"{stored.id} is signed as {stored.state.word} by key {public.key_id}")
+        if signature.note:
+            say(signature.note)

@@ -1,4 +1,4 @@
-"""`brake-cal simulate`: a model driven with the pressure of a log, or through a manoeuvre."""
+"""`brake-cal simulate`: drive a model of a car by the pressure of a log or a manoeuvre."""
 
 from functools import partial
 from pathlib import Path
@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from cli import options
 from cli.command import Answer, command
-from cli.console import at_option, misuse, say
+from cli.console import at_option, say, usage_error
 from cli.logs import read
 from cli.options import Car, OwnEffects, argument, in_si, option
 from cli.outputs import writing
@@ -19,6 +19,7 @@ SPEED, RATE = 120 / 3.6, 200.0
 
 
 def _quantity(si: str, text: str) -> Any:
+    """Declare an option for a quantity, which becomes a number in the unit ``si``."""
     return option(text, typed=str | None, make=partial(in_si, si))
 
 
@@ -32,26 +33,28 @@ def simulate(
     *,
     vehicle: Car,
     out: Path = option("Log to write: .csv or .parquet.", "SIM", writes="simulation"),
-    model: Path | None = option("Pads, tyre, effects; without it the vehicle's own.", "M.toml"),
+    model: Path | None = option("Pads, tyre and effects, else those of the vehicle.", "M.toml"),
     effect: OwnEffects,
     manoeuvre: str | None = option(
         "ramp, stop, coast, step or wave.", "NAME", names="calib.model.manoeuvre:NAMES"
     ),
-    speed: float | None = _quantity(
-        "m/s", 'First speed of the manoeuvre, "120 km/h" if not given.'
-    ),
+    speed: float | None = _quantity("m/s", 'First speed of the manoeuvre, else "120 km/h".'),
     pressure: float | None = _quantity("Pa", 'Pressure of the manoeuvre, such as "60 bar".'),
-    duration: float | None = _quantity("s", 'Time of the rise of a ramp, else at pressure, "8 s".'),
-    rate: float | None = option(f"Samples per second of the manoeuvre, {RATE:g}."),
-    noise: int | None = option("Add simulated sensor noise, drawn by this seed.", "SEED", min=0),
+    duration: float | None = _quantity(
+        "s", 'Time of the rise of a ramp, or at pressure, else "8 s".'
+    ),
+    rate: float | None = option(f"Samples per second of the manoeuvre, else {RATE:g}."),
+    noise: int | None = option(
+        "Add the noise of usual sensors, drawn by this seed.", "SEED", min=0
+    ),
     channel_map: "ChannelMap | None" = options.channel_map(
-        setting="map", when=lambda given: given["log"] is not None
+        setting="map", when=lambda values: values["log"] is not None
     ),
 ) -> Answer:
-    """Drive a model of a car by the pressure of a log.
+    """Drive a model of a car by the pressure of a log or a manoeuvre.
 
-    Or through a manoeuvre. A log is replayed open loop: its pressures from its first speed, at its
-    own times. The result has the channels of a log and the true values.
+    A log is replayed open loop: the model gets its pressures and its first speed, at the times of
+    the log. The result has the channels of a log and the true values.
     """
     from calib.base.errors import ModelError
     from calib.car.effects.catalogue import with_own
@@ -66,8 +69,8 @@ def simulate(
 
     car = with_own(vehicle, effect)
     driven = read_model(model, car) if model else default_model(car)
-    if log is not None and not speed is pressure is duration is rate is None:
-        raise misuse("only with --manoeuvre", "--speed, --pressure, --duration, --rate")
+    if log is not None and any(x is not None for x in (speed, pressure, duration, rate)):
+        raise usage_error("only with --manoeuvre", "--speed, --pressure, --duration, --rate")
     if log is not None and manoeuvre is None:
         say(f"replaying the pressure of {log} with {car.name}")
         driven_log = replay(driven, read(log, channel_map, require=("time", "p_mc")))
@@ -78,12 +81,13 @@ def simulate(
         say(f"driving a {manoeuvre} with {car.name} from {speed:.1f} m/s")
         driven_log = drive(driven, time, trace, speed, name=manoeuvre)
     else:
-        raise misuse("give either a LOG or --manoeuvre", "LOG")
+        raise usage_error("expected either a LOG or --manoeuvre NAME", "LOG")
     result = driven_log if noise is None else add_noise(driven_log, noise)
+    write = write_csv if out.suffix.lower() == ".csv" else write_parquet
     with writing(out):
-        (write_csv if out.suffix.lower() == ".csv" else write_parquet)(result, out)
+        write(result, out)
     for note in result.notes:
         say(f"note: {note}")
-    document = simulated(result, driven_log["v"], out, model)  # as driven: a reading has noise
+    document = simulated(result, driven_log["v"], out, model)  # v before the noise of a sensor
     first, last = document["first_speed"], document["last_speed"]
     return Answer(document, f"{out}: {driven_log.time.size} samples, {first:.1f} to {last:.1f} m/s")

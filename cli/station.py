@@ -1,4 +1,4 @@
-"""`brake-cal station`, `limits`, `repeatability`: the verdict on a car, and on the gauge."""
+"""`brake-cal station`, `limits`, `repeatability`: judge a car, and the calibration itself."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cli import options
 from cli.command import FAILED, Answer, command
-from cli.console import json_text, misuse, progress, say, this_run
+from cli.console import json_text, progress, say, this_run, usage_error
 from cli.logs import read
 from cli.options import argument, option, words
 from cli.outputs import check_folder, stems_of, write_file, write_folder, writing
@@ -25,7 +25,7 @@ GAUGE = "repeatability.json"
 
 @dataclass(frozen=True)
 class Identifiers:
-    """Identity of a run at the line, see `calib.line.station.station.TITLES`."""
+    """Options that identify a run at the line, see `calib.line.station.station.TITLES`."""
 
     serial: Annotated[str | None, option("Serial number.", "S", make=_ID)]
     vin: Annotated[str | None, option("Vehicle identification.", "V", make=_ID)]
@@ -52,12 +52,12 @@ def station(
     coast: list[Path] = option("A coast log; repeatable.", "LOG"),
     more: list[Path] = option("A further ramp for the fit; repeatable.", "LOG", "--ramp"),
     golden: str | None = option("Golden table of the model.", "TABLE", setting="station.golden"),
-    accept_warnings: str | None = option("Release with warnings, and why.", "REASON", make=words),
+    accept_warnings: str | None = option("Release in spite of warnings.", "REASON", make=words),
     by: options.By,
     identity: Identifiers,
     mass: options.Mass,
     export: list[str] = option(
-        "Export as `tables export`; repeatable.",
+        "Format of an export of the released table; repeatable.",
         "F",
         names="calib.exports.export:ENDINGS",
         setting="station.export",
@@ -68,10 +68,10 @@ def station(
 ) -> Answer:
     """Fit, validate and judge one car at the end of the line.
 
-    Exit code 0 if every limit holds, with warnings or without, 1 if one does not. The table goes
-    into the store: released where the car passed, rejected where it failed, a draft where it passed
-    with warnings that nobody accepts. Only a released table is exported. With a log that cannot be
-    used it ends with 3, stores nothing, and writes refused.json alone.
+    The table goes into the store: released where the car passed, rejected where it failed, a draft
+    where it passed with warnings that nobody accepts. Only a released table is exported. Exit code
+    0 if every limit holds, with warnings or without, 1 if one does not. With a log that cannot be
+    used nothing is stored, refused.json alone is written, and the exit code is 3.
     """
     from calib.base.plain import counted
     from calib.base.write import work_folder
@@ -82,11 +82,12 @@ def station(
 
     ramps = [ramp, *more]
     identification = {name: value for name, value in vars(identity).items() if value is not None}
-    stems, forms = stems_of(holdouts, "HOLDOUT"), [] if signed.public else export
+    stems = stems_of(holdouts, "HOLDOUT")
     if "table" in stems:
-        raise misuse("a hold-out named table takes the export's place; rename it")
+        raise usage_error("table is the name of the exported file; rename this hold-out", "HOLDOUT")
+    forms = [] if signed.public else export  # what is stored here is not signed yet
     check_folder(out, outputs_of(stems, forms))
-    with _telling_refusals(out, identification, [*ramps, *coast, *holdouts]):
+    with _refusals_written(out, identification, [*ramps, *coast, *holdouts]):
         reference = golden_table(store, golden) if golden else None
         if golden and reference:
             say(f"{reference.id} is {reference.state.description}")
@@ -114,14 +115,17 @@ def station(
             stored, document = store_and_write(outcome, store, forms, work)
             paths = publish_run(work, out)
     say(f"wrote {len(paths)} files to {out}")
-    unsigned = "what is stored now is not signed; sign it, then `brake-cal tables export`"
-    if export and (why := why_not_exported(stored) or unsigned * bool(signed.public)):
+    why = why_not_exported(stored)
+    if signed.public and not why:
+        why = "the new version is not signed; sign it, then use `brake-cal tables export`"
+    if export and why:
         say(f"no exports: {why}")
-    return Answer(document, StationRun(outcome, stored), FAILED * (not outcome.passed), out)
+    code = 0 if outcome.passed else FAILED
+    return Answer(document, StationRun(outcome, stored), code, out)
 
 
 def _limits_file() -> str:
-    """Name and digest of the file of limits; "" if none was given."""
+    """Return name and digest of the file of limits; "" if none was typed."""
     from calib.base.digest import file_digest
 
     file = this_run().file("limits")
@@ -129,8 +133,8 @@ def _limits_file() -> str:
 
 
 @contextmanager
-def _telling_refusals(out: Path, identity: dict[str, str], logs: list[Path]) -> Iterator[None]:
-    """Write the refusal of a car into ``out`` for the index; none of a usage error or bad store."""
+def _refusals_written(out: Path, identity: dict[str, str], logs: list[Path]) -> Iterator[None]:
+    """Write into ``out`` why a car could not be judged: a bad input, or a fault of the program."""
     from calib.base.errors import InputError, program_failure
     from calib.line.station.files import REFUSED, write_refusal
 
@@ -143,18 +147,17 @@ def _telling_refusals(out: Path, identity: dict[str, str], logs: list[Path]) -> 
         refusal = error if isinstance(error, InputError) else program_failure(error)
         with writing(out):
             write_refusal(refusal, identity, logs, out)
-        say(f"no verdict; {out / REFUSED} tells the index why")
+        say(f"no verdict; {out / REFUSED} says why")
         raise
 
 
 @command("brake-cal limits --out line.toml")
 def limits(
-    *, out: Path | None = option("File to write; else stdout.", "L.toml", writes="")
+    *, out: Path | None = option("File to write, else stdout.", "L.toml", writes="")
 ) -> Answer:
     """Write a file of all limits, ready to be edited.
 
-    Each with its meaning, unit, default and reason. With --json also as one JSON document on
-    stdout.
+    Each limit has its meaning, unit, default and reason.
     """
     from calib.line.station.limits_file import document, limits_file
 
@@ -171,19 +174,21 @@ def limits(
 )
 def repeatability(
     *,
-    vehicle: Path | None = option("Of logs without one in the plan.", "V.toml", setting="vehicle"),
-    plan: Path = option("Columns log,car,station,road,vehicle.", "P.csv"),
-    metric: list[str] = option("Only this one; repeatable.", "NAME", names=_METRICS),
-    limits: Path | None = option("Limits of grr and ndc, and tolerances.", "L.toml"),
+    vehicle: Path | None = option(
+        "Vehicle file of logs that have none in the plan.", "V.toml", setting="vehicle"
+    ),
+    plan: Path = option("CSV with columns log,car,station,road,vehicle.", "P.csv"),
+    metric: list[str] = option("Study only this metric; repeatable.", "NAME", names=_METRICS),
+    limits: Path | None = option("File with limits of grr and ndc, and tolerances.", "L.toml"),
     out: Path | None = option("Write repeatability.json and .png here.", "DIR", writes="folder"),
     channel_map: options.Map,
 ) -> Answer:
     """Judge the calibration as a gauge, from repeated ramps.
 
-    The ramps are of several cars. Every ramp is fitted alone; analysis of variance then splits the
-    scatter of each metric into repeat, station and car. Exit code 0 if all hold their limits (%GRR
-    up to 30, ndc 5 or more). A range of a metric itself in the limits file is its tolerance: %GRR
-    is then given of that too.
+    Every ramp of several cars is fitted alone; analysis of variance then splits the scatter of each
+    metric into repeat, station and car. The range of a metric in the limits file is its tolerance;
+    %GRR is then also told as a share of this tolerance. Exit code 0 if all metrics hold their
+    limits (%GRR up to 30, ndc 5 or more), 1 if one does not.
     """
     from calib.base.plain import counted
     from calib.line.gauge.plan import read_plan, readings
@@ -195,7 +200,7 @@ def repeatability(
     gauge_limits = read_gauge_limits(limits)
     ramps = read_plan(plan, vehicle)
     if any(ramp.vehicle is None for ramp in ramps):
-        raise misuse("needed: not every log has one in the plan", "--vehicle")
+        raise usage_error("missing; a log of the plan has no vehicle", "--vehicle")
     with progress(f"fitting {counted(len(ramps), 'ramp')} one by one", len(ramps)) as step:
         result = study(readings(ramps, channel_map, metric or METRICS, step), gauge_limits)
     document = to_dict(result)
@@ -203,4 +208,4 @@ def repeatability(
         written = json_text({"schema": 1, **document}).encode()
         picture = render(gauge_sheet(result).overview(), ".png")
         write_folder(out, [(GAUGE, written), ("repeatability.png", picture)], GAUGE)
-    return Answer(document, result, FAILED * (not result.passed))
+    return Answer(document, result, 0 if result.passed else FAILED)

@@ -1,13 +1,14 @@
-"""`brake-cal tables`: look at the tables of a store, and decide on their states."""
+"""`brake-cal tables`: look at the tables of a store, and decide whether they may be used."""
 
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
 from cli import options
-from cli.command import DAMAGED, Answer, add, command, group
-from cli.console import misuse, say
+from cli.command import DAMAGED, Answer, command
+from cli.console import say, usage_error
 from cli.exchange import compare, export, merge
+from cli.groups import add, group
 from cli.options import argument, option
 from cli.sign import sign
 
@@ -16,10 +17,10 @@ from cli.sign import sign
 def list_(
     *,
     state: str | None = option(
-        "draft, released, rejected or withdrawn.", "S", names="calib.store.state:STATES"
+        "draft, released, rejected or withdrawn.", "STATE", names="calib.store.state:STATES"
     ),
-    serial: str | None = option("Serial number.", "S"),
-    vin: str | None = option("Vehicle identification.", "V"),
+    serial: str | None = option("List only this serial number.", "S"),
+    vin: str | None = option("List only this vehicle identification.", "VIN"),
     store: options.Tables,
 ) -> Answer:
     """List every version of every table, or those of a car."""
@@ -27,8 +28,11 @@ def list_(
     from calib.store.figures import chosen, row_of
 
     rows = chosen(map(row_of, store.entries(state)), serial=serial, vin=vin)
-    none = f"{store.folder} holds no {'such table' if store.snapshot().names else 'table'}"
-    return Answer({"store": store.folder, "tables": rows}, listed(rows) if rows else none)
+    document = {"store": store.folder, "tables": rows}
+    if rows:
+        return Answer(document, listed(rows))
+    missing = "such table" if store.snapshot().names else "table"
+    return Answer(document, f"{store.folder} holds no {missing}")
 
 
 @command("brake-cal tables show sedan-2up")
@@ -42,7 +46,7 @@ def show(table: options.Table, *, store: options.Tables) -> Answer:
 
 @command("brake-cal tables log sedan-2up")
 def log(
-    table: str = argument("name, or name@version", "TABLE"), *, store: options.Tables
+    table: str = argument("Name, or name@version.", "TABLE"), *, store: options.Tables
 ) -> Answer:
     """Print what happened to a table: when, by whom and why."""
     from calib.show.store import history
@@ -52,7 +56,9 @@ def log(
     journal = now.journal
     versions = [str(number) for number in journal.versions(now.require_table(name))]
     if separator and version not in versions:
-        raise misuse(f"no version {version!r} of {name!r}; there is {', '.join(versions)}", "TABLE")
+        raise usage_error(
+            f"no version {version!r} of {name!r}; there is {', '.join(versions)}", "TABLE"
+        )
     entries = [
         e.document for e in journal.entries if e.table == name and version in ("", str(e.version))
     ]
@@ -62,8 +68,8 @@ def log(
 
 @command("brake-cal tables diff sedan-2up@1 sedan-2up")
 def diff(
-    a: str = argument("name, name@version or path", "A"),
-    b: str = argument("name, name@version or path", "B"),
+    a: str = argument(options.TABLE, "A"),
+    b: str = argument(options.TABLE, "B"),
     *,
     store: options.Tables,
 ) -> Answer:
@@ -81,16 +87,16 @@ def diff(
 
 @command("brake-cal tables verify", "brake-cal tables verify sedan-2up")
 def verify(
-    name: str | None = argument("one table; if not given, all", "NAME"),
+    name: str | None = argument("Name of a table, else all.", "NAME"),
     *,
     key: options.PublicKey,
     store: options.Tables,
 ) -> Answer:
     """Say which versions of a store are damaged.
 
-    Compares each with its digests, its invariants and the journal; exit code 4 if one is damaged.
-    With --key also the signatures: every released version must have one of this key, for its
-    present state, and the journal must hold what was signed and seen before.
+    Each version is compared with its digests, its invariants and the journal. With --key every
+    released version must also have a signature of this key, for its present state, and the journal
+    must hold what was signed and seen before. Exit code 4 if a version is damaged.
     """
     from calib.show.store import verified
     from calib.store.folders import unplaced
@@ -103,13 +109,18 @@ def verify(
         verdicts, note = store.verify(name), ""
     keys = ("id", "sound", "violations", *(["signed"] if key else []))
     rows = [{name: getattr(verdict, name) for name in keys} for verdict in verdicts]
-    sound = all(verdict.sound for verdict in verdicts)
+    is_sound = all(verdict.sound for verdict in verdicts)
     if note:
         say(note)
     unfinished = unplaced(store.folder)
-    document = {"store": store.folder, "sound": sound, "versions": rows, "unfinished": unfinished}
-    none = f"{store.folder} holds no table"
-    return Answer(document, verified(verdicts, bool(key)) if rows else none, DAMAGED * (not sound))
+    document = {
+        "store": store.folder,
+        "sound": is_sound,
+        "versions": rows,
+        "unfinished": unfinished,
+    }
+    result = verified(verdicts, bool(key)) if rows else f"{store.folder} holds no table"
+    return Answer(document, result, 0 if is_sound else DAMAGED)
 
 
 _Proof = Annotated[
@@ -119,7 +130,7 @@ _Proof = Annotated[
 
 @dataclass(frozen=True)
 class _Decision:
-    """Reason and author of a decision on a state."""
+    """Options of a decision on the state of a version."""
 
     reason: options.Reason
     by: options.By
@@ -133,8 +144,8 @@ class _Decision:
 def release(table: options.Version, *, evidence: _Proof, decision: _Decision) -> Answer:
     """Release a version, so that it may be exported.
 
-    Others are measured by it, too. With --evidence the file must be of this version and must not
-    have failed. A rejected version needs it; a withdrawn one is never released again.
+    The validation or station run of --evidence must be of this version and must not have failed. A
+    rejected version needs such evidence; a withdrawn one is never released again.
     """
     return _judged(table, "released", decision, evidence)
 
@@ -143,7 +154,7 @@ def release(table: options.Version, *, evidence: _Proof, decision: _Decision) ->
 def reject(table: options.Version, *, evidence: _Proof, decision: _Decision) -> Answer:
     """Reject a version, so that it is no longer used.
 
-    A bare name never means it, and it is not exported.
+    A name without a number never means this version, and it is not exported.
     """
     return _judged(table, "rejected", decision, evidence)
 
@@ -152,8 +163,8 @@ def reject(table: options.Version, *, evidence: _Proof, decision: _Decision) -> 
 def withdraw(table: options.Version, *, decision: _Decision) -> Answer:
     """Withdraw a version for good.
 
-    A bare name never means it, and it is not exported. A version that is missing and cannot be
-    restored is withdrawn, too: `tables verify` then no longer counts it.
+    A name without a number never means this version, and it is not exported. Withdraw a version
+    that is missing and cannot be restored, too: `tables verify` then no longer counts it.
     """
     from calib.store.state import StateDecision
 
@@ -165,6 +176,7 @@ def withdraw(table: options.Version, *, decision: _Decision) -> Answer:
 
 
 def _judged(table: str, word: str, decision: _Decision, evidence: Path | None) -> Answer:
+    """Set the state of a version to ``word``."""
     from calib.base.errors import StoreError
     from calib.store.evidence import CONSISTENT, read_evidence
     from calib.store.state import StateDecision
@@ -172,7 +184,9 @@ def _judged(table: str, word: str, decision: _Decision, evidence: Path | None) -
     stored = decision.store.load(table)
     proof, verdict = read_evidence(evidence, stored) if evidence else (None, "")
     if word == "released" and verdict == "failed":
-        raise misuse(f"{evidence} says that {table} failed, which releases nothing", "--evidence")
+        raise usage_error(
+            f"{evidence} says that {table} failed, which releases nothing", "--evidence"
+        )
     lost = stored.table.not_sensed.get("wheel_pressures")
     if word == "released" and lost:
         flaw = f"is for no ECU: it would have to know {lost}"
@@ -181,11 +195,18 @@ def _judged(table: str, word: str, decision: _Decision, evidence: Path | None) -
     proofs, old = (proof,) if proof else (), stored.state
     state = StateDecision(word, decision.reason, verdict, proofs, decision.by or "")
     after = decision.store.judge(table, state)
-    same = "nothing to change" if old == after.state else f"it was {old.word}"
-    states = {"before": old.word, "state": after.state.word, "why": after.state.description}
-    document = {"table": after.id, "digest": after.digest, **states}
-    proof_text = f"; the evidence: {verdict}" * (verdict in (CONSISTENT, "warning"))
-    return Answer(document, f"{after.id} is {after.state.description}; {same}{proof_text}")
+    document = {
+        "table": after.id,
+        "digest": after.digest,
+        "before": old.word,
+        "state": after.state.word,
+        "why": after.state.description,
+    }
+    change = "nothing to change" if old == after.state else f"it was {old.word}"
+    text = f"{after.id} is {after.state.description}; {change}"
+    if verdict in (CONSISTENT, "warning"):
+        text = f"{text}; the evidence: {verdict}"
+    return Answer(document, text)
 
 
 tables = group(

@@ -1,4 +1,4 @@
-"""`brake-cal validate`: the estimator with a table on hold-out logs, its metrics and verdict."""
+"""`brake-cal validate`: run the estimator with a table on hold-out logs, and judge it."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from calib.table.table import Table
 
 CODES = ("ecu",)
-"""Exported code that can run in place of the estimator."""
+"""Values of --as: exported code that can run in place of the estimator."""
 _CODES = f"{__name__}:CODES"
 
 
@@ -40,17 +40,18 @@ def validate(
     mass: options.Mass,
     limits: options.StopLimits,
     shape: Shape,
-    code: str | None = option("Run the code, compiled here.", "ecu", "--as", names=_CODES),
+    code: str | None = option("Run the C code of this export.", "ecu", "--as", names=_CODES),
     out: Path | None = option("Write LOG.parquet and summary.json here.", "DIR", writes="folder"),
     channel_map: options.Map,
     signed: Signed,
 ) -> Answer:
-    """Run the estimator with a table on other logs, and judge what an ECU makes of it.
+    """Run the estimator with a table on other logs, and judge it.
 
-    The estimator gets no speed, as in an ECU. --points, --fixed-point and --float use the table as
-    it is exported with them; --as ecu runs the C code of `tables export --format ecu`. Logs without
-    true torques or a speed prove nothing, and the answer says so. Exit code 0 if every log holds
-    its limits, with warnings or without; 1 if one does not, or the table was fitted on it.
+    What is judged is the answer of an ECU, which has no speed over ground. --points, --fixed-point
+    and --float take the table as it is exported with them; --as ecu compiles the C code of `tables
+    export --format ecu` and runs it. Logs without true torques or a speed prove nothing, and the
+    answer says so. Exit code 0 if every log holds its limits, with warnings or without; 1 if one
+    does not, or the table was fitted on it.
     """
     from dataclasses import replace
 
@@ -72,10 +73,11 @@ def validate(
         file = this_run().file("vehicle")
         require_same_car(stored.table.vehicle, vehicle, file, weighed=mass is not None)
     car = with_own(stored.table.vehicle, effect)
-    car = with_effects(car, read_model(model, car)) if model else car  # its pads stay the table's
-    used = replace(stored.table, vehicle=car)
-    how = shape.precision(code is not None)
-    choices = _exported(used, how) if how else {}
+    if model is not None:
+        car = with_effects(car, read_model(model, car))  # pads and tyres stay those of the table
+    used_table = replace(stored.table, vehicle=car)
+    precision = shape.precision(code is not None)
+    exported = _exported(used_table, precision) if precision else {}
     runs: list[Log] = []
     results: list[Validation] = []
     task = f"validating {stored.id} ({stored.state.word}) on {counted(len(logs), 'log')}"
@@ -83,29 +85,29 @@ def validate(
         for path in logs:
             run = read(path, channel_map)
             refuse_copy(run, [], runs)
-            results.append(validate_one(used, run, vehicle, limits, mass=mass, **choices))
+            results.append(validate_one(used_table, run, vehicle, limits, mass=mass, **exported))
             runs.append(run)
             step()
-    summary = to_dict(stored, results, how)
+    summary = to_dict(stored, results, precision)
     if out is not None:
         with writing(out):
             for path in write_results(results, summary, out):
                 say(f"wrote {path}")
-    failed = FAILED * (not all(result.passed for result in results))
-    judged = Validated(stored, results, how, files_of("vehicle", "model", "limits"))
-    return Answer(summary, judged, failed, out)
+    exit_code = 0 if all(result.passed for result in results) else FAILED
+    files = files_of("vehicle", "model", "limits")
+    return Answer(summary, Validated(stored, results, precision, files), exit_code, out)
 
 
-def _exported(table: "Table", how: "Precision") -> dict[str, Any]:
-    """The table as exported, and its code compiled here; ends with 2 where one cannot be made."""
+def _exported(table: "Table", precision: "Precision") -> dict[str, Any]:
+    """Return the table as exported, and its compiled code, as arguments of `validate_one`."""
     from calib.base.errors import ExchangeError, ProgramError
     from calib.table.exported import as_exported
 
     with at_option("--points, --fixed-point, --float", ExchangeError):
-        choices: dict[str, Any] = {"exported": as_exported(table, how)}
-    if how.code:
+        arguments: dict[str, Any] = {"exported": as_exported(table, precision)}
+    if precision.code:
         from calib.ecu.native import coded
 
         with at_option("--as", ProgramError):
-            choices["coded"] = coded(table, how)
-    return choices
+            arguments["coded"] = coded(table, precision)
+    return arguments

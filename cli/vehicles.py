@@ -1,9 +1,10 @@
-"""`brake-cal vehicle`: write a vehicle file, check it, show the characteristics of the car."""
+"""`brake-cal vehicle`: write a vehicle file, check it, show what follows from it."""
 
 from pathlib import Path
 
-from cli.command import FAILED, UNREADABLE, Answer, add, command, group
-from cli.console import complain, say, warn
+from cli.command import FAILED, UNREADABLE, Answer, command
+from cli.console import print_error, print_warnings, say
+from cli.groups import add, group
 from cli.options import argument, option
 from cli.outputs import write_file
 
@@ -14,8 +15,8 @@ def init(
 ) -> Answer:
     """Write a vehicle file with a comment on every key.
 
-    The comments say unit, meaning, how to measure it, and the usual range. The values are those of
-    the reference car.
+    A comment says the meaning of a key, its unit, how to measure it, and the usual range. The
+    values are those of the reference car.
     """
     from calib.car.keys import vehicle_text
 
@@ -25,11 +26,11 @@ def init(
 
 
 @command("brake-cal vehicle check sample_logs/sedan/vehicle.toml")
-def check(files: list[Path] = argument("vehicle files to check", "FILE...")) -> Answer:
+def check(files: list[Path] = argument("Vehicle files to check.", "FILE...")) -> Answer:
     """Judge vehicle files: mistakes, then plausibility.
 
-    All mistakes of a file are listed, then what no usual car has. Exit code 0 if all is plausible,
-    1 if a figure is outside its usual range, 3 if a file cannot be used.
+    All mistakes of a file are listed, then what no usual car has. Exit code 0 if all files are
+    plausible, 1 if a figure is outside its usual range, 3 if a file cannot be used.
     """
     from calib.base.errors import InputError
     from calib.base.plain import counted
@@ -37,24 +38,24 @@ def check(files: list[Path] = argument("vehicle files to check", "FILE...")) -> 
     from calib.car.plausible import vehicle_warnings
     from calib.car.vehicle_file import read_vehicle
 
-    judged, failed, lines, code = [], [], [], 0
+    judged, unreadable, lines, code = [], [], [], 0
     for path in files:
         try:
             car = read_vehicle(path)
         except InputError as error:
-            failed.append({"source": path, "error": str(error)})
-            complain(str(error))
+            unreadable.append({"source": path, "error": str(error)})
+            print_error(str(error))
             continue
         warnings, verdict = vehicle_warnings(car), "plausible"
-        warn(warnings)
+        print_warnings(warnings)
         details = {"plausible": not warnings, "warnings": [to_dict(one) for one in warnings]}
         judged.append({"source": path, "vehicle": car.name, **details})
         if warnings:
             code = FAILED
             verdict = f"not plausible: {counted(len(warnings), 'figure')} outside the usual range"
         lines.append(f"{path}: {car.name}: {verdict}")
-    document = {"vehicles": judged, "unreadable": failed}
-    return Answer(document, "\n".join(lines), UNREADABLE if failed else code)
+    document = {"vehicles": judged, "unreadable": unreadable}
+    return Answer(document, "\n".join(lines), UNREADABLE if unreadable else code)
 
 
 @command(
@@ -62,14 +63,14 @@ def check(files: list[Path] = argument("vehicle files to check", "FILE...")) -> 
     "brake-cal vehicle show sample_logs/sedan/vehicle.toml --plot brakes.png",
 )
 def show(
-    file: Path = argument("vehicle file", "FILE"),
+    file: Path = argument("Vehicle file.", "FILE"),
     *,
-    plot: Path | None = option("Draw it: .png, .svg or .pdf.", "FILE", writes="picture"),
+    plot: Path | None = option("Draw it into a .png, .svg or .pdf.", "FILE", writes="picture"),
 ) -> Answer:
     """Show what follows from a vehicle file.
 
-    Loads, torque per bar, share of the front axle, and up to which deceleration it locks first.
-    With the nominal pads, in a straight line, one pressure on both axles, without drag.
+    These are loads, torque per bar, share of the front axle, and the deceleration up to which the
+    front axle locks first: with nominal pads, one pressure on both axles, straight on, no drag.
     """
     from calib.base.warning import to_dict
     from calib.car.characteristics import characteristics

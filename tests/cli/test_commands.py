@@ -11,7 +11,7 @@ from calib import __version__
 from calib.base.errors import BrakeCalError, InputError, StoreError
 from calib.help.documents import documents
 from calib.store.store import Store
-from cli.command import Group, first_sentence
+from cli.groups import Group, first_sentence
 from cli.main import app
 from tests.cli.conftest import parsed
 

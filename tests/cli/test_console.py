@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from calib.help.samples import sample_logs
-from cli.console import complain, emit, emit_json, plain
+from cli.console import plain, print_error, print_json, print_result
 
 SEDAN = sample_logs() / "sedan"
 FIT = ("fit", SEDAN / "ramp_wet_asphalt.csv", "--vehicle", SEDAN / "vehicle.toml")
@@ -38,14 +38,14 @@ def test_plain_takes_what_results_are_made_of(capsys):
         "scalars": [0.5, 0.25, 3, True, None],
         "7": None,
     }
-    emit_json(document)
+    print_json(document)
     assert json.loads(capsys.readouterr().out) == plain(document)
 
 
 def test_nothing_in_a_string_is_markup_and_no_line_is_cut(capsys):
     text = "[bold]log[/bold] :car: [/x] " + "long " * 60 + "to the end"
-    emit(text)
-    complain(text)
+    print_result(text)
+    print_error(text)
     assert capsys.readouterr() == (f"{text}\n", f"error: {text}\n")
 
 

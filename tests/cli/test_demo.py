@@ -15,7 +15,7 @@ import typer.main
 from calib.help.demo import STEPS
 from calib.help.samples import sample_logs
 from calib.store.store import Store
-from cli.command import Group
+from cli.groups import Group
 from cli.main import app
 from tests.support import sample_store
 from tests.support.manual import run

@@ -7,7 +7,7 @@ import pytest
 from typer.testing import CliRunner
 
 from calib.logs.read import read_log
-from cli.console import begin
+from cli.console import begin_run
 from cli.main import app
 from tests.cli.conftest import parsed
 
@@ -17,7 +17,7 @@ VEHICLE = SEDAN / "vehicle.toml"
 
 
 def run(*words):
-    begin()  # no settings of another test
+    begin_run()  # no settings of another test
     return CliRunner().invoke(app, ["simulate", *map(str, words)])
 
 

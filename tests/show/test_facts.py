@@ -15,7 +15,7 @@ from calib.show.facts import Facts, Picture, Table
 from calib.show.html import _panel, is_page, page_of
 from calib.show.panel import Line, Panel
 from calib.show.sheet import Sheet
-from cli.console import begin, emit, this_run
+from cli.console import begin_run, print_result, this_run
 
 EMPTY = Sheet("made", "made", (Panel("a", "a", "x [1]", "y [1]", ()),))
 
@@ -87,10 +87,10 @@ def test_a_part_without_content_is_not_shown_and_a_live_page_loads_itself_again(
 
 def printed(facts, *, quiet=False, verbose=False):
     out = io.StringIO()
-    begin()
+    begin_run()
     this_run().quiet, this_run().verbose = quiet, verbose
-    emit(facts, out)
-    begin()
+    print_result(facts, out)
+    begin_run()
     return out.getvalue()
 
 
