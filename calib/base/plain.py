@@ -1,8 +1,8 @@
 """Numbers and names as people read them, tables of a package, and the list of all metrics.
 
 A metric is a number that judges a table or a stop. `metrics.csv` has one row for each, by its key
-in JSON files and limits files: name and unit for people, meaning, possible values, limits with
-their reason, and the next step where a value is outside them.
+in JSON files and limits files: name and unit for people, meaning, limits with their reason, and the
+next step where a value is outside them.
 """
 
 import csv
@@ -99,8 +99,8 @@ class Metric:
 
     ``scope`` is "car" where the station judges the metric, "stop" where a validation does, else "".
     ``unit`` is the displayed unit, or "", and ``factor`` converts from SI to it. ``step`` is the
-    smallest relevant difference [SI], which gives the displayed decimals, or 0. Possible values are
-    ``least`` to ``most``; the value ``cut`` stands for all larger values.
+    smallest relevant difference [SI], which gives the displayed decimals, or 0. The value ``cut``
+    stands for all larger values.
 
     ``low`` to ``warn_high`` are limits of the station as in `MetricLimits`; ``judged`` is the place
     of the metric in the station's order, 0 if the station does not judge it. ``stop`` has the
@@ -113,8 +113,6 @@ class Metric:
     factor: float = 1.0
     step: float = 0.0
     scope: str = ""
-    least: float | None = None
-    most: float | None = None
     cut: float | None = None
     judged: int = 0
     low: float | None = None

@@ -151,7 +151,9 @@ def _gap(name: str, column: str, a: Map, b: Map) -> _CurveGap | None:
     a, b = a.on(axes), b.on(axes)
     gap = getattr(b, column) - getattr(a, column)
     half_widths = np.hypot(_half_widths(a, column), _half_widths(b, column))
-    weights = np.minimum(_weights(a), _weights(b))
+    weights = np.ones_like(gap)
+    if isinstance(a, PadMap) and isinstance(b, PadMap):
+        weights = np.minimum(a.share, b.share)
     in_bands = _quantile(_in_bands(gap, half_widths), weights)
     worst = int(np.argmax(np.abs(gap)))
     start, end, place = float(a.z[0]), float(a.z[-1]), float(a.z[worst])
@@ -162,10 +164,6 @@ def _half_widths(m: Map, column: str) -> Array:
     """Half width of the 95 % band of a column in each cell (n,)."""
     upper: Array = getattr(m, f"{column}_upper")
     return np.asarray((upper - getattr(m, f"{column}_lower")) / 2)
-
-
-def _weights(m: Map) -> Array:
-    return m.share if isinstance(m, PadMap) else np.ones_like(m.z)
 
 
 def _quantile(x: Array, weights: Array) -> float:
@@ -248,12 +246,8 @@ def is_same_fit(a: Table, b: Table) -> bool:
     (record_a, curves_a), (record_b, curves_b) = a.content(), b.content()
     if inputs_digest(record_a) != inputs_digest(record_b):
         return False
-    results_a = {name: record_a[name] for name in _RESULTS}
-    results_b = {name: record_b[name] for name in _RESULTS}
-    numbers_a, numbers_b = (
-        dict(_numbers(results_a | curves_a)),
-        dict(_numbers(results_b | curves_b)),
-    )
+    numbers_a = dict(_numbers({name: record_a[name] for name in _RESULTS} | curves_a))
+    numbers_b = dict(_numbers({name: record_b[name] for name in _RESULTS} | curves_b))
     if numbers_a.keys() != numbers_b.keys():
         return False
     return all(_is_near(numbers_a[key], numbers_b[key]) for key in numbers_a)

@@ -6,8 +6,7 @@
     curves  {"difference": {eta, D, ...}, "paper": {eta, z, f1, f2, ...},
              "tyre": {slip, force, ...}, "map": ..., "level_map": ..., "draws": ...}
 
-The digest of a table is over this content, so it does not depend on a file format. The file first
-has the parts of a table, then `Table`.
+The digest of a table is over this content, so it does not depend on a file format.
 """
 
 import json
@@ -64,9 +63,9 @@ class Value:
 class Calibration:
     """Pads and tyres as the ramps show them, all [1].
 
-    ``pad_scale`` is the common factor on the pad frictions of the vehicle file. ``pad_log_ratio``
-    is ln of (mu_f/mu_r) over its nominal value. ``slip_stiffness`` is the normalised force per slip
-    at small slip and half the weight, the geometric mean of the axles.
+    ``pad_scale`` is the common factor on the pads of the vehicle file; ``pad_log_ratio`` is ln of
+    (mu_f/mu_r) over its nominal value; ``slip_stiffness`` is normalised force per slip at small
+    slip and half the weight, the geometric mean of the axles.
     """
 
     pad_scale: Value
@@ -80,10 +79,9 @@ class Calibration:
 class LogReference:
     """A log of the fit.
 
-    ``digest`` is the SHA-256 of its bytes; ``role`` is "ramp" or another use in the fit; ``notes``
-    are those of its reader. ``fingerprint`` tells a copy of the run from another run.
-    ``sample_time`` [s] is not part of a table's content, so that tables that were stored without it
-    keep their digests.
+    ``digest`` is the SHA-256 of its bytes; ``role`` is its use in the fit, such as "ramp";
+    ``notes`` are those of its reader. ``fingerprint`` tells a copy of the run from another run.
+    ``sample_time`` [s] is not part of a table's content: older tables keep their digests.
     """
 
     name: str
@@ -135,11 +133,10 @@ class Provenance:
 
 @dataclass(frozen=True)
 class TableBudget:
-    """Uncertainty of pads and tyres by part, see `calib.table.budget`.
+    """Uncertainty of pads and tyres by part, see `calib.table.budget`; all of logarithms [1].
 
-    ``front`` and ``rear`` are standard deviations of ln of the pad friction [1]. ``level``,
-    ``ratio`` and ``stiffness`` are variances of ln of the pads' level, of ln of their ratio, and of
-    ln of the slip stiffness [1].
+    ``front`` and ``rear`` are standard deviations of the pad frictions. ``level``, ``ratio`` and
+    ``stiffness`` are variances of the pads' level, of their ratio and of the slip stiffness.
     """
 
     front: dict[str, float]
@@ -158,8 +155,7 @@ class TableBudget:
 class Scatter:
     """Standard deviation ``between`` cars, and standard error ``of_mean`` of their mean.
 
-    ``of_mean`` counts differences between cars and between runs, but no errors that are common to
-    all of them.
+    ``of_mean`` counts no errors that are common to all cars.
     """
 
     between: float
@@ -168,11 +164,7 @@ class Scatter:
 
 @dataclass(frozen=True)
 class FleetScatter:
-    """Scatter of a number of ``cars``.
-
-    ``D`` is the scatter of D [1] at each row of the table's difference curve. The other fields are
-    the scatter of ln of the pads' level, of the pads' ratio and of the tyres' slip stiffness [1].
-    """
+    """Scatter between ``cars`` cars: of D [1] at each of its rows, else of logarithms [1]."""
 
     cars: int
     D: tuple[Scatter, ...]
@@ -188,14 +180,13 @@ class FleetScatter:
 
 @dataclass(frozen=True, eq=False)
 class Table(Viewable):
-    """A fitted table; a version of it is made by the store.
+    """A fitted table; the store makes a version of it.
 
-    ``map`` has the pads' ratio given z, eta and slip, and ``level_map`` has level and ratio given z
-    alone. Both maps are made from draws of the posterior, some of which are ``draws``. ``effects``
-    are drag and rolling resistance as fitted, with their sigma; other known effects are in
-    ``vehicle``. ``noise`` is the noise density of each sensor over long times [unit * s^0.5].
-    ``quality`` has the metrics of the fit. In a table that is the mean of several cars, ``spread``
-    is the scatter between them.
+    ``map`` has the pads' ratio given z, eta and slip, ``level_map`` level and ratio given z alone.
+    Both are made from draws of the posterior, some of which are ``draws``. ``effects`` are drag and
+    rolling resistance as fitted; other known effects are in ``vehicle``. ``noise`` is the noise
+    density of each sensor over long times [unit * s^0.5]. ``quality`` has the metrics of the fit.
+    ``spread`` is the scatter between the cars if the table is their mean.
     """
 
     name: str
@@ -233,7 +224,7 @@ class Table(Viewable):
         return self.paper.read("f1", eta)
 
     def f2(self, eta: ArrayLike) -> Array:
-        """f2 of (12) [1] at ``eta`` [1], linear between rows; NaN beyond the measured rows."""
+        """f2 of (12) [1] at ``eta`` [1], read as `f1`."""
         return self.paper.read("f2", eta)
 
     def curves(self) -> "pd.DataFrame":
@@ -268,15 +259,13 @@ class Table(Viewable):
             del record[name]
         for log in record["provenance"]["logs"]:
             del log["sample_time"]
-        as_json = json.dumps(_without_empty(record))
-        return {"schema": 1, **json.loads(as_json)}, curves
+        return {"schema": 1, **json.loads(json.dumps(_without_empty(record)))}, curves
 
     @property
     def not_sensed(self) -> dict[str, str]:
         """Effects that an ECU cannot take out, each with the signal that it lacks.
 
-        They are those of the vehicle, and wheel pressures if the fit warned that they differ from
-        p_mc.
+        Wheel pressures count if the fit warned that they differ from p_mc.
         """
         lacking = not_sensed(self.vehicle.effects)
         if any(warning.code == "wheel_pressures" for warning in self.warnings):

@@ -59,7 +59,12 @@ def unseen_entries(table: Table, v: bool, mass: float | None = None) -> list[Uns
     """
     mass_sigma = table.vehicle.mass_tolerance if mass is None else mass
     entries = [_unseen(table, *entry) for entry in _entries(table, v, mass_sigma)]
-    entries += _pads_of_file(table)
+    up_to = {entry.entry: entry.up_to for entry in entries}
+    # the file's pads have a weight in the fitted ratio; they give a warning as a wrong area does
+    weight, sigma = _nominal_weight(table), grade_sigma(table.vehicle)
+    for axle, change in (("front", weight), ("rear", -weight)):
+        pads = _unseen(table, f"{axle}.pad_friction", sigma, 0.0, change)
+        entries.append(pads._replace(up_to=up_to[f"{axle}.piston_area"]))
 
     def order(entry: Unseen) -> tuple[float, float]:
         change = (entry.doubt or 0.0) * math.hypot(entry.front, entry.rear)
@@ -83,7 +88,7 @@ def _entries(
     The changes are per relative error of the entry. A wrong entry changes only that part of the
     ratio that comes from eta; the other part comes from the vehicle file.
     """
-    share, by_eta = _share(table), 1.0 - table.quality.get("pad_ratio_nominal_weight", 0.0)
+    share, by_eta = _share(table), 1.0 - _nominal_weight(table)
     yield "mass", mass, 1.0, 0.0
     yield "p_mc", None, -1.0, 0.0
     if not v:
@@ -97,18 +102,9 @@ def _entries(
     yield "cg_to_front_axle", CAR.cg_to_front_axle.sigma, 0.0, by_eta * by_distance
 
 
-def _pads_of_file(table: Table) -> Iterator[Unseen]:
-    """Yield the pad frictions of the file, which have a weight in the ratio of the fitted pads.
-
-    A wrong pad friction gives a warning at the same error as a wrong piston area of the axle.
-    """
-    share, weight = _share(table), table.quality.get("pad_ratio_nominal_weight", 0.0)
-    for name, sign, of_axle in (("front", 1.0, share), ("rear", -1.0, 1.0 - share)):
-        area = _unseen(table, "", None, -of_axle, sign * (weight - 1.0))
-        pads = _unseen(
-            table, f"{name}.pad_friction", grade_sigma(table.vehicle), 0.0, sign * weight
-        )
-        yield pads._replace(up_to=area.up_to)
+def _nominal_weight(table: Table) -> float:
+    """Weight of the file's pads in the fitted ratio of the pads [1]."""
+    return table.quality.get("pad_ratio_nominal_weight", 0.0)
 
 
 def _share(table: Table) -> float:
@@ -139,15 +135,10 @@ def _unseen(table: Table, entry: str, doubt: float | None, level: float, ratio: 
     share, pads = _share(table), table.calibration
     level_rule = next(rule for rule in RULES if rule.code == "pads_off_file")
     ratio_rule = next(rule for rule in RULES if rule.code == "pad_ratio")
-    level_sigma = math.hypot(
-        grade_sigma(table.vehicle), pads.pad_scale.sigma / pads.pad_scale.value
-    )
-    level_limit = level_rule.sigmas * level_sigma
+    scale_sigma = pads.pad_scale.sigma / pads.pad_scale.value
+    level_limit = level_rule.sigmas * math.hypot(grade_sigma(table.vehicle), scale_sigma)
     ratio_limit = max(ratio_rule.high, Z95 * pads.pad_log_ratio.sigma)
-    up_to = min(
-        _LARGEST.get(entry, _LARGEST_OTHER),
-        level_limit / max(abs(level), 1e-6),
-        ratio_limit / max(abs(ratio), 1e-6),
-    )
+    up_to = min(level_limit / max(abs(level), 1e-6), ratio_limit / max(abs(ratio), 1e-6))
+    up_to = min(up_to, _LARGEST.get(entry, _LARGEST_OTHER))
     front, rear = level + (1.0 - share) * ratio, level - share * ratio
     return Unseen(entry, doubt, front, rear, up_to, _SHOWN_BY.get(entry, _BRAKES_SHOWN_BY))

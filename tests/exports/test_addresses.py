@@ -107,7 +107,7 @@ def test_files_of_another_kind(data, program, content, says):
 def test_no_file_a_folder_and_a_file_too_large(data, tmp_path):
     large = tmp_path / "large"
     with large.open("wb") as file:
-        file.truncate(PROGRAM.most + 1)
+        file.truncate(PROGRAM.max_bytes + 1)
     for path in (tmp_path / "none", tmp_path, large):
         refusal(find_addresses, path, data, kind=ProgramError)
 
