@@ -81,8 +81,9 @@ def plan(
     from calib.base.processes import cores
     from calib.plan.achieved import DOCUMENT, HalfWidths
     from calib.plan.expected import prior_of
+    from calib.plan.files import document, pressure_files
     from calib.plan.measure import Track
-    from calib.plan.search import Want, document, pressure_files
+    from calib.plan.search import Want
     from calib.plan.search import plan as search
 
     check_folder(out, [DOCUMENT])

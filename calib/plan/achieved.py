@@ -1,4 +1,7 @@
-"""What a fit reached of its plan, and why not more; it imports nothing that makes a plan."""
+"""Compare the half widths that a fit achieved with those of its plan.
+
+This file imports nothing that makes a plan, so that `fit` starts quickly.
+"""
 
 import json
 import math
@@ -16,10 +19,10 @@ from calib.run.run import Run
 from calib.table.table import Table
 
 DOCUMENT = "plan.json"
-"""Name of the document of a plan in a folder."""
+"""File name of a plan in a folder."""
 
-_WIDER = 1.15  # half width over the planned one [1] that misses it: a plan is right to 15 %
-_SHORT = 0.9  # end of a ramp over the planned one [1] below which it ended early
+_WIDER = 1.15  # half width over the planned one [1] above which it is missed: plans err by 15 %
+_SHORT = 0.9  # end of a ramp over the planned end [1] below which the ramp ended early
 
 
 class HalfWidths(NamedTuple):
@@ -31,7 +34,7 @@ class HalfWidths(NamedTuple):
 
 
 def widths_of(table: Table) -> HalfWidths:
-    """Half widths by the pads of a table, and by the level of both axles."""
+    """Return the half widths of a table: those of its pad frictions, and that of its pad level."""
     pads = table.calibration
     axles = (pads.pad_friction_f, pads.pad_friction_r)
     front, rear = (Z95 * pad.sigma / pad.value for pad in axles)
@@ -40,7 +43,11 @@ def widths_of(table: Table) -> HalfWidths:
 
 @dataclass(frozen=True)
 class PlannedRuns:
-    """A plan as a fit reads it: names of its ``steps``, their largest ``end`` [g], the widths."""
+    """A plan as a fit reads it.
+
+    ``steps`` are the names of its measures, ``end`` is the largest deceleration of their ramps [g],
+    ``sensors`` are the optional channels, ``after`` the half widths at the end of the plan.
+    """
 
     steps: tuple[str, ...]
     end: float
@@ -49,16 +56,17 @@ class PlannedRuns:
 
 
 def read_plan(path: Path) -> PlannedRuns:
-    """Read the document of a plan. Raises InputError for a file that is none."""
+    """Read the file of a plan. Raises InputError for another file."""
     try:
-        written = json.loads(read_bounded(path, VALIDATION))
-        steps, widths = written["steps"], [written["after"][x] for x in HalfWidths._fields]
+        document = json.loads(read_bounded(path, VALIDATION))
+        steps = document["steps"]
         ends = [float(step["end"]) for step in steps if step["measure"].startswith("ramp")]
+        after = [document["after"][name] for name in HalfWidths._fields]
         return PlannedRuns(
             steps=tuple(str(step["measure"]) for step in steps),
             end=max(ends, default=0.0),
-            sensors=frozenset(map(str, written["sensors"])),
-            after=HalfWidths(*(math.inf if width is None else float(width) for width in widths)),
+            sensors=frozenset(map(str, document["sensors"])),
+            after=HalfWidths(*(math.inf if width is None else float(width) for width in after)),
         )
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         expected = f"the {DOCUMENT} of `brake-cal plan --out DIR`"
@@ -66,7 +74,10 @@ def read_plan(path: Path) -> PlannedRuns:
 
 
 class Achieved(NamedTuple):
-    """Planned and achieved half widths [1], whether they were ``reached``, and reasons why not."""
+    """Planned and achieved half widths [1].
+
+    ``reached`` tells whether none is missed, ``reasons`` what the plan has and the fit has not.
+    """
 
     planned: HalfWidths
     achieved: HalfWidths
@@ -77,24 +88,26 @@ class Achieved(NamedTuple):
 def compare(plan: PlannedRuns, table: Table, logs: Sequence[Log], mass: MassUsed) -> Achieved:
     """Compare the half widths of a table with those of a plan.
 
-    ``logs`` and ``mass`` are those of the fit. Reasons are what the plan has and the fit has not.
+    ``logs`` and ``mass`` are those of the fit.
     """
     achieved = widths_of(table)
-    reached = all(a <= _WIDER * p for a, p in zip(achieved, plan.after, strict=True))
-    return Achieved(plan.after, achieved, reached, tuple(_missing(plan, table, logs, mass)))
+    pairs = zip(achieved, plan.after, strict=True)
+    reached = all(width <= _WIDER * planned for width, planned in pairs)
+    return Achieved(plan.after, achieved, reached, tuple(_reasons(plan, table, logs, mass)))
 
 
-def _missing(plan: PlannedRuns, table: Table, logs: Sequence[Log], mass: MassUsed) -> list[str]:
+def _reasons(plan: PlannedRuns, table: Table, logs: Sequence[Log], mass: MassUsed) -> list[str]:
+    """Return what the plan has and the fit has not."""
     roles = {log.role for log in table.provenance.logs}
-    axles = {Run(log, table.vehicle).alone for log in logs}
-    happened = {
+    axles_alone = {Run(log, table.vehicle).alone for log in logs}
+    was_done = {
         "weighing": mass.stated,
         "rollers": "bench" in roles,
         "coast": "coast" in roles,
-        "rear_alone": "r" in axles,
-        "front_alone": "f" in axles,
+        "rear_alone": "r" in axles_alone,
+        "front_alone": "f" in axles_alone,
     }
-    reasons = [f"{step} is missing" for step in plan.steps if not happened.get(step, True)]
+    reasons = [f"{step} is missing" for step in plan.steps if not was_done.get(step, True)]
     end = table.quality["deceleration_max"]
     if end < _SHORT * plan.end:
         reasons.append(f"the ramps end at {end:.2f} g, planned was {plan.end:.2f} g")
@@ -104,6 +117,6 @@ def _missing(plan: PlannedRuns, table: Table, logs: Sequence[Log], mass: MassUse
 
 
 def document(achieved: Achieved) -> dict[str, object]:
-    """The comparison as a JSON document."""
+    """Return the comparison as a JSON document."""
     widths = {"planned": achieved.planned._asdict(), "achieved": achieved.achieved._asdict()}
     return {**widths, "reached": achieved.reached, "reasons": list(achieved.reasons)}

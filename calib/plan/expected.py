@@ -1,10 +1,10 @@
-"""The bounds that a fit will have after some measures, before anybody drives them.
+"""Compute the half widths that a fit will have after some measures, before anybody drives them.
 
-    car --drive--> logs --noise--> fit --> half widths     of each car; their median is planned
+    prior --> a car --drive--> logs --noise--> fit --> half widths
 
-Preposterior analysis by simulation (Chaloner and Verdinelli, Bayesian experimental design: a
-review, Statistical Science 10, 1995): cars are drawn from the prior, driven with the noise of their
-sensors, and fitted by `calib.fitting.fit` itself. Bumps and gear shifts are not counted.
+This is a preposterior analysis by simulation (Chaloner and Verdinelli, Bayesian experimental
+design: a review, Statistical Science 10, 1995): cars of the prior are driven with the noise of
+their sensors, and fitted by `calib.fitting.fit` itself. Bumps and gear shifts are not counted.
 """
 
 import math
@@ -30,17 +30,20 @@ from calib.run.resistance import identify
 from calib.table.budget import axle_parts
 from calib.table.table import Table, Value
 
-_ROLLER_PRESSURES = (10e5, 20e5, 30e5, 40e5)
-_ROLLER_SCATTER = 0.005  # relative, of the rows of a roller brake tester [1]: half its tolerance
+_ROLLER_PRESSURES = (10e5, 20e5, 30e5, 40e5)  # [Pa], as `measures.csv` tells the workshop
+_ROLLER_SCATTER = 0.005  # of a force of a roller brake tester, relative [1]: half its tolerance
+_UNKNOWN_TYRES = 0.2  # sigma of ln of a slip stiffness [1]: see the row `compliance` of beliefs.csv
 
 
 @dataclass(frozen=True)
 class Prior:
-    """What is known of a car before the drive.
+    """What is known of a car before the measures.
 
-    ``pad_level`` ln of the pads over those of the ``vehicle`` file, ``pad_ratio`` ln of front over
-    rear, ``stiffness`` ln of the slip stiffness, all [1]; ``noise`` of each channel in SI; ``logs``
-    of the car that are there; ``sensors`` it has of the optional channels.
+    ``sensors``: the optional channels that the car logs
+    ``pad_level``, ``pad_ratio``: ln of the pads over those of the ``vehicle`` file [1]
+    ``stiffness``: ln of the slip stiffness [1]
+    ``noise``: noise of each channel [SI]
+    ``logs``: logs of the car that exist already; the fit after the measures will use them, too
     """
 
     vehicle: Vehicle
@@ -60,7 +63,7 @@ def prior_of(
     table: Table | None = None,
     logs: Sequence[Log] = (),
 ) -> Prior:
-    """What is known of a car: from its ``logs``, else from a ``table`` of it, else from its file.
+    """Return the prior from ``logs`` of a car, or else from its ``table``, or else from its file.
 
     Raises as `calib.fitting.fit` for logs of which no table can be made.
     """
@@ -70,21 +73,24 @@ def prior_of(
     if table is None:
         level = Value(0.0, USUAL_PADS)
         ratio = Value(CAR.log_pad_ratio.mean, CAR.log_pad_ratio.sigma)
-        stiff = Value(math.log(WET_ASPHALT.stiffness), 0.2)
-        return Prior(vehicle, track, sensors, level, ratio, stiff, LEVELS)
+        stiffness = Value(math.log(WET_ASPHALT.stiffness), _UNKNOWN_TYRES)
+        return Prior(vehicle, track, sensors, level, ratio, stiffness, LEVELS)
     pads, noise = table.calibration, noise_of(table.noise)
-    level, stiff = _logarithm(pads.pad_scale), _logarithm(pads.slip_stiffness)
-    return Prior(vehicle, track, sensors, level, pads.pad_log_ratio, stiff, noise, tuple(logs))
+    level, stiffness = _logarithm(pads.pad_scale), _logarithm(pads.slip_stiffness)
+    return Prior(vehicle, track, sensors, level, pads.pad_log_ratio, stiffness, noise, tuple(logs))
 
 
-def _logarithm(value: Value) -> Value:
-    return Value(math.log(value.value), value.sigma / value.value)
+def _logarithm(x: Value) -> Value:
+    """Return ln x, with sigma by its derivative 1/x."""
+    return Value(math.log(x.value), x.sigma / x.value)
 
 
 def noise_of(densities: Mapping[str, float]) -> dict[str, NoiseLevel]:
-    """White noise of the channels with the long-run ``densities`` of a table, see `SensorNoise`.
+    """Return white noise of the channels with the long-run noise ``densities`` of a table.
 
-    The mean of an axle has the noise of a wheel over sqrt(2).
+    A density [unit * s^0.5] is the standard deviation of a mean over 1 s, see `SensorNoise`, so a
+    sample has sqrt(`RATE`) of it. The density "omega" is of the mean of two wheels, so a wheel has
+    sqrt(2) of it.
     """
     per_sample = math.sqrt(RATE)
     wheel = NoiseLevel(math.sqrt(2.0) * densities["omega"] * per_sample)
@@ -94,38 +100,41 @@ def noise_of(densities: Mapping[str, float]) -> dict[str, NoiseLevel]:
     return {**LEVELS, **channels, "v": NoiseLevel(speed) if speed else LEVELS["v"]}
 
 
-_POINTS = ((0.0, 0.0), (1.0, -1.0), (-1.0, 1.0))
-"""Pads' ratio and tyre stiffness of the cars that stand for the prior [sigma]."""
+_CORNERS = ((0.0, 0.0), (1.0, -1.0), (-1.0, 1.0))
+"""Pad ratio and slip stiffness of the cars that stand for the prior: the mean, then two cars at
+one standard deviation [sigma of the prior]."""
 
 
-def cars(prior: Prior, count: int = len(_POINTS)) -> list[Model]:
-    """The first ``count`` of the cars that stand for the prior: the mean, then two corners.
+def cars(prior: Prior, count: int = len(_CORNERS)) -> list[Model]:
+    """Return the first ``count`` of the cars that stand for the prior, see `_CORNERS`.
 
-    Each has the known effects of the vehicle, and its usual drag and rolling resistance.
+    Each car has the known effects of the vehicle, and its usual drag and rolling resistance.
     """
-    mean, pads = default_model(prior.vehicle), math.exp(prior.pad_level.value)
-    usual = identify(prior.vehicle, ()).effects
+    mean, scale = default_model(prior.vehicle), math.exp(prior.pad_level.value)
+    effects = identify(prior.vehicle, ()).effects
     models = []
-    for ratio_at, stiffness_at in _POINTS[:count]:
-        half = math.exp(0.5 * (prior.pad_ratio.value + ratio_at * prior.pad_ratio.sigma))
-        stiffness = math.exp(prior.stiffness.value + stiffness_at * prior.stiffness.sigma)
-        front, rear = pads * half * mean.pad_friction_f, pads / half * mean.pad_friction_r
-        tyre = replace(mean.tyre, stiffness=stiffness)
-        model = replace(mean, pad_friction_f=front, pad_friction_r=rear, tyre=tyre, effects=usual)
+    for ratio_sigmas, stiffness_sigmas in _CORNERS[:count]:
+        log_ratio = prior.pad_ratio.value + ratio_sigmas * prior.pad_ratio.sigma
+        log_stiffness = prior.stiffness.value + stiffness_sigmas * prior.stiffness.sigma
+        front = scale * math.exp(0.5 * log_ratio) * mean.pad_friction_f
+        rear = scale / math.exp(0.5 * log_ratio) * mean.pad_friction_r
+        tyre = replace(mean.tyre, stiffness=math.exp(log_stiffness))
+        model = replace(mean, pad_friction_f=front, pad_friction_r=rear, tyre=tyre, effects=effects)
         models.append(model)
     return models
 
 
 def half_widths(prior: Prior, car: Model, steps: Sequence[Measure], seed: int) -> HalfWidths:
-    """Half widths of a fit of ``car`` after the measures, with noise by ``seed``.
+    """Return the half widths of a fit of ``car`` after the measures, with noise by ``seed``.
 
-    Raises ModelError for a run that cannot be driven, LogError where they make no table.
+    Raises ModelError for a run that cannot be driven, LogError for logs that make no table.
     """
-    runs = [drive(car, run, prior.track, prior.sensors) for run in steps if run.driven]
-    kinds, pads = {measure.kind for measure in steps}, (car.pad_friction_f, car.pad_friction_r)
+    runs = [drive(car, step, prior.track, prior.sensors) for step in steps if step.driven]
+    noisy = [add_noise(run, seed + i, prior.noise) for i, run in enumerate(runs)]
+    kinds, pads = {step.kind for step in steps}, (car.pad_friction_f, car.pad_friction_r)
     table = fit(
         prior.vehicle,
-        [*prior.logs, *(add_noise(run, seed + i, prior.noise) for i, run in enumerate(runs))],
+        [*prior.logs, *noisy],
         mass=prior.vehicle.mass if "weighing" in kinds else None,
         bench=on_rollers(prior.vehicle, pads, seed) if "rollers" in kinds else None,
     )
@@ -133,20 +142,19 @@ def half_widths(prior: Prior, car: Model, steps: Sequence[Measure], seed: int) -
 
 
 def on_rollers(vehicle: Vehicle, pads: tuple[float, float], seed: int) -> RollerBench:
-    """What a roller brake tester would read of a car with the friction of ``pads``, front, rear."""
-    random = np.random.default_rng([seed, 1])
+    """Return the reading of a roller brake tester for a car with ``pads`` (front, rear) [1]."""
+    random, pressures = np.random.default_rng([seed, 1]), np.array(_ROLLER_PRESSURES)
+    nominal = (vehicle.front.pad_friction, vehicle.rear.pad_friction)
     axles = []
-    for gain, pad, axle in zip(
-        force_per_pressure(vehicle), pads, (vehicle.front, vehicle.rear), strict=True
-    ):
-        scatter = 1.0 + _ROLLER_SCATTER * random.standard_normal(len(_ROLLER_PRESSURES))
-        force = pad / axle.pad_friction * gain * np.array(_ROLLER_PRESSURES) * scatter
+    for gain, mu, mu_n in zip(force_per_pressure(vehicle), pads, nominal, strict=True):
+        scatter = 1.0 + _ROLLER_SCATTER * random.standard_normal(pressures.size)
+        force = mu / mu_n * gain * pressures * scatter  # of the axle [N]
         axles.append(AxleOnRollers(_ROLLER_PRESSURES, tuple(force.tolist())))
     return RollerBench("rollers", "rollers", "", TOLERANCE, *axles)
 
 
 def before_any_run(prior: Prior) -> HalfWidths:
-    """Half widths by what is known of the pads before any log, the mass included."""
+    """Return the half widths by the prior of the pads and the mass alone, without any log."""
     level = {"pads": prior.pad_level.sigma**2, "mass": prior.vehicle.mass_tolerance**2}
     ratio = {"ratio": prior.pad_ratio.sigma**2}
     axles = axle_parts(prior.vehicle, prior.pad_ratio.value, level, ratio)

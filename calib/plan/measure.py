@@ -1,13 +1,15 @@
-"""What can be done to know a car better: runs to drive, and what a workshop measures.
+"""The measures by which a car can be known better: runs to drive, and work in a workshop.
 
-    p ^          ___        lead-in 3 s, rise, hold 1 s, release
-      |        .'   |       a ramp ends where the car, or its one braked axle, comes to `end`
+    p ^          ___        a ramp: lead-in 3 s, rise, hold 1 s, release
+      |        .'   |
       |______.'     |__
       +---------------> t
 
-`measures.csv` has one row for each: `end` of a ramp as deceleration over g, or of one axle as
-the force over its load [1]; `rise` of a ramp or length of a coast [s]; `seconds` that a
-measurement in the workshop takes.
+`measures.csv` has a row for each measure. Its columns with numbers are
+
+    end       of a ramp, the deceleration over g [1]; of an axle alone, its force over its load [1]
+    rise      time of the rise of a ramp, or of a coast [s]
+    seconds   time of a measurement in the workshop [s]
 """
 
 from dataclasses import dataclass, replace
@@ -26,17 +28,21 @@ from calib.logs.log import Log
 from calib.model.simulate import simulate
 
 LEAD_IN, HOLD, RELEASE = 3.0, 1.0, 0.5
-"""Times of a run [s]: a fit zeroes eta over the last 3 s before the bite."""
+"""Times of a ramp [s]. A fit zeroes eta over the last 3 s before the bite."""
 
 RATE = 100.0
-"""Samples per second of a planned run: a fit takes means over blocks of 50 ms or more."""
+"""Samples per second of a planned run. A fit takes means over blocks of 50 ms or more."""
 
-_SLOWEST = 5.0  # speed at the end of a rise, at least [m/s]: a fit leaves out slower blocks
+_SLOWEST = 5.0  # least speed at the end of a rise [m/s]: a fit leaves out slower blocks
 
 
 @dataclass(frozen=True)
 class Measure:
-    """One row of `measures.csv`; ``axle`` that brakes alone, "" for both; nan where empty."""
+    """A row of `measures.csv`; an empty number is NaN.
+
+    ``axle`` is "f" or "r" if that axle brakes alone, "" for both. ``text`` names the measure,
+    ``driver`` tells the driver or the workshop what to do.
+    """
 
     name: str
     kind: str
@@ -49,24 +55,25 @@ class Measure:
 
     @property
     def driven(self) -> bool:
-        """Whether it is a run with a log, and not a measurement in a workshop."""
+        """Whether the measure is a run with a log, and not work in a workshop."""
         return self.kind in ("ramp", "coast")
 
     @property
     def is_whole_ramp(self) -> bool:
-        """Whether it is a ramp with both axles, of which one is enough."""
+        """Whether the measure is a ramp with both axles. A plan needs one of these."""
         return self.kind == "ramp" and not self.axle
 
     @property
     def duration(self) -> float:
-        """Time of the work, or to the end of the rise of a run [s]."""
-        lead_in = LEAD_IN * (self.kind == "ramp")
-        return lead_in + self.rise if self.driven else self.seconds
+        """Time of the work, or of a run to the end of its rise [s]."""
+        if not self.driven:
+            return self.seconds
+        return LEAD_IN + self.rise if self.kind == "ramp" else self.rise
 
 
 @dataclass(frozen=True)
 class Track:
-    """Where the runs are driven: ``length`` [m] and first ``speed`` [m/s]."""
+    """The track of the runs: its ``length`` [m], and the ``speed`` at which a run begins [m/s]."""
 
     length: float = np.inf
     speed: float = 100.0 / 3.6
@@ -74,7 +81,7 @@ class Track:
 
 @cache
 def measures() -> tuple[Measure, ...]:
-    """All measures, runs before measurements in a workshop."""
+    """Return all measures, runs before work in a workshop."""
     return tuple(_measure(row) for row in rows("measures.csv", "calib.plan"))
 
 
@@ -84,39 +91,42 @@ def _measure(row: dict[str, str]) -> Measure:
 
 
 def pressure_trace(car: Vehicle, run: Measure) -> tuple[Array, Array]:
-    """Time [s] and master-cylinder pressure [Pa] of a run, (n,) each, at `RATE`."""
+    """Return time [s] and master-cylinder pressure [Pa] of a run, (n,) each, at `RATE`."""
     if run.kind == "coast":
         time = np.arange(round(run.rise * RATE) + 1) / RATE
         return time, np.zeros_like(time)
     corners = np.cumsum([0.0, LEAD_IN, run.rise, HOLD, RELEASE, RELEASE])
     time = np.arange(round(corners[-1] * RATE) + 1) / RATE
-    gains, loads = (
-        sum(x for x, axle in zip(of_axles, AXLES, strict=True) if run.axle in ("", axle))
-        for of_axles in (force_per_pressure(car), car.static_loads)
-    )
-    top = run.end * loads / gains  # (2), (5), with the pads of the file
+    braked = [run.axle in ("", axle) for axle in AXLES]
+    gain = np.sum(force_per_pressure(car), where=braked)  # [N/Pa]
+    load = np.sum(car.static_loads, where=braked)  # [N]
+    top = run.end * load / gain  # force over load is `end`: (2), (5), with the pads of the file
     return time, np.interp(time, corners, [0.0, 0.0, top, top, 0.0, 0.0])
 
 
 def drive(model: Model, run: Measure, track: Track, sensors: frozenset[str]) -> Log:
     """Simulate a run as it would be driven and logged, without noise.
 
-    ``sensors`` the optional channels. Raises ModelError where it cannot be driven: longer than the
-    track, nearly at rest before the end of the rise, a tyre beyond its peak, or one axle alone
-    without logged wheel pressures.
+    ``sensors`` are the optional channels that are logged. Raises ModelError for a run that cannot
+    be driven: it is longer than the track, the car is nearly at rest before the end of the rise, a
+    tyre is beyond its peak, or an axle is to brake alone and its wheel pressures are not logged.
     """
     if run.axle and not sensors >= set(WHEEL_PRESSURES):
         raise ModelError(f"{run.text} needs {', '.join(sorted(WHEEL_PRESSURES))}")
     time, pressure = pressure_trace(model.vehicle, run)
-    alone = {w: pressure * (w[0] == run.axle) for w in WHEELS} if run.axle else None
-    log = simulate(model, time, pressure, track.speed, wheel_pressure=alone, name=run.name)
+    by_wheel = None
+    if run.axle:
+        by_wheel = {w: pressure if w[0] == run.axle else 0.0 * pressure for w in WHEELS}
+    log = simulate(model, time, pressure, track.speed, wheel_pressure=by_wheel, name=run.name)
     if log.time[-1] < run.duration or log["v"][-1] < _SLOWEST:
         raise ModelError(
             f"{run.text} would end after {log.time[-1]:.1f} s at {3.6 * log['v'][-1]:.0f} km/h",
             expected=f"{run.duration:.1f} s, and {3.6 * _SLOWEST:.0f} km/h at the end",
         )
-    if (way := float(np.trapezoid(log["v"], log.time))) > track.length:
-        raise ModelError(f"{run.text} takes {way:.0f} m", expected=f"up to {track.length:.0f} m")
-    optional = {"v", *WHEEL_PRESSURES} - sensors
-    channels = {name: x for name, x in log.channels.items() if name not in optional}
+    distance = float(np.trapezoid(log["v"], log.time))
+    if distance > track.length:
+        flaw = f"{run.text} takes {distance:.0f} m"
+        raise ModelError(flaw, expected=f"up to {track.length:.0f} m")
+    not_logged = {"v", *WHEEL_PRESSURES} - sensors
+    channels = {name: x for name, x in log.channels.items() if name not in not_logged}
     return replace(log, channels=channels)

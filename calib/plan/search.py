@@ -1,59 +1,62 @@
-"""The best sequence of measures: each next one narrows the bounds most for its time.
+"""Search a sequence of measures, each of which narrows the half widths most for its time.
 
-    gain = sum over front, rear, total of ln(width now / width then), no width below the wanted one
+    gain = sum over front, rear, total of ln(width before / width after)
 
-The first ramp has the greatest mean gain over several cars, each with its own noise. Each next
-measure has the greatest gain per second for the mean car. One that gained next to nothing is not
-tried again: gains diminish. Widths after the steps are medians over several cars, floors of one.
+A width below the wanted one counts as the wanted one. The first measure is the ramp with the
+greatest mean gain over several cars, each with its own noise. Each next measure has the greatest
+gain per second for the mean car. A measure that gained next to nothing is not tried again, since
+gains diminish with every measure. The widths of a plan are medians over several cars; its floors
+are those of the mean car.
 """
 
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from calib.base.errors import BrakeCalError, LogError, ModelError
 from calib.base.processes import MapFunction, parallel_map
-from calib.base.units import BAR
 from calib.plan.achieved import HalfWidths
 from calib.plan.expected import Prior, before_any_run, cars, half_widths
-from calib.plan.measure import Measure, drive, measures, pressure_trace
+from calib.plan.measure import Measure, drive, measures
 
 SEED = 20
 """Seed of the noise of a plan: the same question has the same plan."""
 
-_CARS = 3  # cars, each with its own noise, of a median
+_CARS = 3  # cars of a median, each with its own noise
 _TURN = 20.0  # time to turn and to come back up to speed before another run [s]
 _WORTH = 0.02  # gain below which a measure is not worth its time [1]: 2 % of one width
 
-_Sequel = tuple[Measure, ...]
+_Sequence = tuple[Measure, ...]
 """Measures in the order in which they are done."""
 
 
 class Want(NamedTuple):
-    """Half ``widths`` that are narrow enough, 0 where none is named; ``seconds`` to spend."""
+    """The wanted half ``widths``, 0 where none is wanted; ``seconds`` is the time to spend [s]."""
 
     widths: HalfWidths = HalfWidths()
     seconds: float = math.inf
 
     def met_by(self, widths: HalfWidths) -> bool:
-        """Whether the widths are as narrow as wanted; never where none is named."""
+        """Whether the widths are as narrow as wanted; False if none is wanted."""
         pairs = zip(widths, self.widths, strict=True)
         return any(self.widths) and all(width <= goal for width, goal in pairs if goal)
 
-    def gain(self, now: HalfWidths, then: HalfWidths) -> float:
-        """Gain from one set of widths to the next [1]."""
-        counts = [goal > 0.0 or not any(self.widths) for goal in self.widths]
-        rows = zip(now, then, self.widths, counts, strict=True)
-        return sum(math.log(max(a, goal) / max(b, goal)) for a, b, goal, used in rows if used)
+    def gain(self, wide: HalfWidths, narrow: HalfWidths) -> float:
+        """Return the gain from ``wide`` to ``narrow`` widths [1]; if some are wanted, of these."""
+        gain = 0.0
+        for width, narrower, goal in zip(wide, narrow, self.widths, strict=True):
+            if goal > 0.0 or not any(self.widths):
+                gain += math.log(max(width, goal) / max(narrower, goal))
+        return gain
 
 
 @dataclass(frozen=True)
 class Step:
-    """A measure of a plan: it takes ``seconds``; ``widths`` after it and all before it."""
+    """A measure of a plan. It takes ``seconds`` [s]; ``widths`` are those after it."""
 
     measure: Measure
     seconds: float
@@ -62,13 +65,14 @@ class Step:
 
 @dataclass(frozen=True)
 class Plan:
-    """What to do, in this order, and what it will bring.
+    """The ``steps`` to do, in this order, and the widths that they will bring.
 
-    ``start`` the widths by the prior; ``not_worth`` measures that gained less than `_WORTH` when
-    they were last tried, each with its gain [1]; ``impossible`` those that cannot be done
-    here, each with the reason; ``floor`` the widths after all that can be done here, whatever its
-    time, ``floor_of_runs`` after all runs without a workshop; ``with_speed`` those of the steps
-    with ``v`` logged as well, None where it is logged.
+    ``start``: the widths before any step
+    ``not_worth``: measures that gained less than `_WORTH` when last tried, with their gains [1]
+    ``impossible``: measures that cannot be done here, with the reasons
+    ``floor``: the widths after every measure that can be done here, whatever its time
+    ``floor_of_runs``: the same without a workshop
+    ``with_speed``: the widths after the steps if ``v`` were logged as well; None if it is logged
     """
 
     prior: Prior
@@ -93,27 +97,34 @@ class Plan:
 
 
 def plan(prior: Prior, want: Want, workers: int = 1) -> Plan:
-    """Find the best sequence of measures for what is wanted, the same in any number of processes.
+    """Find a plan; the number of processes does not change it.
 
-    Raises LogError where no ramp can be driven here, with the reason of each.
+    Raises LogError, with all reasons, if no ramp can be driven here.
     """
-    with parallel_map(workers, "calib.plan.search") as mapped:
-        now = _medians(mapped, prior, [()], 1)[0] if prior.logs else before_any_run(prior)
-        search = _Search(prior, want, mapped)
-        chosen = search.run(now)
+    with parallel_map(workers, "calib.plan.search") as in_parallel:
+        medians = partial(_medians, in_parallel)
+        start = medians(prior, [()], 1)[0] if prior.logs else before_any_run(prior)
+        search = _Search(prior, want, in_parallel)
+        chosen = search.run(start)
+        beginnings = [chosen[: i + 1] for i in range(len(chosen))]
+        widths = medians(prior, beginnings, _CARS)
+
         others = [m for m in measures() if m not in search.impossible and not m.is_whole_ramp]
         everything = tuple(dict.fromkeys((*chosen, *others)))
-        runs = tuple(m for m in everything if m.driven)
-        floor, floor_of_runs = _medians(mapped, prior, [everything, runs], 1)
-        after = _medians(mapped, prior, [chosen[: i + 1] for i in range(len(chosen))], _CARS)
-        faster = replace(prior, sensors=prior.sensors | {"v"})
-        with_speed = None if "v" in prior.sensors else _medians(mapped, faster, [chosen], _CARS)[0]
+        runs = tuple(measure for measure in everything if measure.driven)
+        floor, floor_of_runs = medians(prior, [everything, runs], 1)
+        with_speed = None
+        if "v" not in prior.sensors:
+            has_speed = replace(prior, sensors=prior.sensors | {"v"})
+            with_speed = medians(has_speed, [chosen], _CARS)[0]
     return Plan(
         prior=prior,
         want=want,
-        start=now,
-        steps=tuple(map(Step, chosen, _times(chosen), after)),
-        not_worth={m: x for m, x in search.gains.items() if m not in chosen and x < _WORTH},
+        start=start,
+        steps=tuple(map(Step, chosen, _times(chosen), widths)),
+        not_worth={
+            m: gain for m, gain in search.gains.items() if m not in chosen and gain < _WORTH
+        },
         impossible=search.impossible,
         floor=floor,
         floor_of_runs=floor_of_runs,
@@ -121,32 +132,32 @@ def plan(prior: Prior, want: Want, workers: int = 1) -> Plan:
     )
 
 
-def _times(steps: _Sequel) -> list[float]:
-    """Time of each step [s]."""
-    return [_following(m) if i else m.duration for i, m in enumerate(steps)]
+def _times(sequence: _Sequence) -> list[float]:
+    """Return the time of each measure [s]."""
+    return [_time_after_another(m) if i else m.duration for i, m in enumerate(sequence)]
 
 
-def _following(measure: Measure) -> float:
-    """Time of a measure that follows another [s]: a run has its turn before it."""
-    return measure.duration + _TURN * measure.driven
+def _time_after_another(measure: Measure) -> float:
+    """Return the time of a measure that is not the first [s]: the car turns before a run."""
+    return measure.duration + _TURN if measure.driven else measure.duration
 
 
 class _Search:
-    """The greedy search; ``gains`` of measures when they were last tried, ``impossible`` ones."""
+    """The greedy search: ``gains`` are of the measures tried, ``impossible`` are the others."""
 
-    def __init__(self, prior: Prior, want: Want, mapped: MapFunction) -> None:
-        self.prior, self.want, self.mapped = prior, want, mapped
+    def __init__(self, prior: Prior, want: Want, in_parallel: MapFunction) -> None:
+        self.prior, self.want, self.in_parallel = prior, want, in_parallel
         self.gains: dict[Measure, float] = {}
         reasons = {measure: _why_not_driven(prior, measure) for measure in measures()}
         self.impossible = {measure: reason for measure, reason in reasons.items() if reason}
 
-    def run(self, now: HalfWidths) -> _Sequel:
-        """The measures in their order. Raises LogError where there can be no ramp."""
-        chosen: _Sequel = ()
-        while not self.want.met_by(now):
-            first = not (chosen or self.prior.logs)
-            widths = self._tried(chosen, now, first)
-            if not widths and first:
+    def run(self, widths: HalfWidths) -> _Sequence:
+        """Return the sequence found from the first ``widths``. Raises LogError without a ramp."""
+        chosen: _Sequence = ()
+        while not self.want.met_by(widths):
+            is_first = not (chosen or self.prior.logs)
+            widths_after = self._try(chosen, widths, is_first)
+            if not widths_after and is_first:
                 reasons = "; ".join(dict.fromkeys(self.impossible.values()))
                 raise LogError(
                     f"no ramp can be driven here: {reasons or 'none is short enough'}",
@@ -154,51 +165,60 @@ class _Search:
                     expected="a ramp of 7 s from 60 km/h or more",
                     do="give a longer track, a higher speed or more time",
                 )
-            if not widths:
+            if not widths_after:
                 break
-            best = max(widths, key=lambda m: self.gains[m] / (1.0 if first else _following(m)))
-            chosen, now = (*chosen, best), widths[best]
-        return self._pruned(chosen, now)
+            rates = {m: self.gains[m] / _time_after_another(m) for m in widths_after}
+            ranking = self.gains if is_first else rates
+            best = max(widths_after, key=ranking.__getitem__)
+            chosen, widths = (*chosen, best), widths_after[best]
+        return self._pruned(chosen, widths)
 
-    def _tried(self, chosen: _Sequel, now: HalfWidths, first: bool) -> dict[Measure, HalfWidths]:
-        """Median widths over cars after each measure that can come next and is worth its time.
+    def _try(
+        self, chosen: _Sequence, widths: HalfWidths, is_first: bool
+    ) -> dict[Measure, HalfWidths]:
+        """Return the widths after each measure that can come next and is worth its time.
 
-        Sets the mean gain of each, or the reason why it is impossible.
+        Set the gain of each measure that was tried, or the reason why it is impossible. The first
+        measure is a ramp with both axles; its gain and its widths are of several cars.
         """
-        possible = (m for m in measures() if m not in (*chosen, *self.impossible))
         options = [
-            m
-            for m in possible
-            if (m.is_whole_ramp or not first)
-            and self.gains.get(m, _WORTH) >= _WORTH
-            and sum(_times((*chosen, m))) <= self.want.seconds
+            measure
+            for measure in measures()
+            if measure not in (*chosen, *self.impossible)
+            and (measure.is_whole_ramp or not is_first)
+            and self.gains.get(measure, _WORTH) >= _WORTH
+            and sum(_times((*chosen, measure))) <= self.want.seconds
         ]
-        sequels = [(*chosen, m) for m in options]
-        outcomes = _outcomes(self.mapped, self.prior, sequels, _CARS if first else 1)
-        widths = {}
+        sequences = [(*chosen, measure) for measure in options]
+        count = _CARS if is_first else 1
+        outcomes = _outcomes(self.in_parallel, self.prior, sequences, count)
+        widths_after = {}
         for measure, (reason, of_cars) in zip(options, outcomes, strict=True):
             if reason:
                 self.impossible[measure] = reason
                 continue
-            self.gains[measure] = sum(self.want.gain(now, w) for w in of_cars) / len(of_cars)
-            if first or self.gains[measure] >= _WORTH:
-                widths[measure] = _median(of_cars)
-        return widths
+            self.gains[measure] = sum(self.want.gain(widths, car) for car in of_cars) / count
+            if is_first or self.gains[measure] >= _WORTH:
+                widths_after[measure] = _median(of_cars)
+        return widths_after
 
-    def _pruned(self, chosen: _Sequel, now: HalfWidths) -> _Sequel:
-        """The steps without those that later ones made superfluous, the longest first."""
+    def _pruned(self, chosen: _Sequence, widths: HalfWidths) -> _Sequence:
+        """Return the sequence without measures that later ones made superfluous.
+
+        ``widths`` are those after the whole sequence. The longest measure is left out first.
+        """
         fixed = 0 if self.prior.logs else 1  # the first ramp makes the table
-        dropped = sorted(chosen[fixed:], key=_following, reverse=True)
-        shorter = [tuple(x for x in chosen if x != m) for m in dropped]
-        outcomes = _outcomes(self.mapped, self.prior, shorter, 1)
-        for steps, (_, (widths,)) in zip(shorter, outcomes, strict=True):
-            if self.want.met_by(widths) or self.want.gain(widths, now) < _WORTH:
-                return self._pruned(steps, now)
+        by_time = sorted(chosen[fixed:], key=_time_after_another, reverse=True)
+        shorter = [tuple(m for m in chosen if m != left_out) for left_out in by_time]
+        outcomes = _outcomes(self.in_parallel, self.prior, shorter, 1)
+        for sequence, (_, (wider,)) in zip(shorter, outcomes, strict=True):
+            if self.want.met_by(wider) or self.want.gain(wider, widths) < _WORTH:
+                return self._pruned(sequence, widths)
         return chosen
 
 
 def _why_not_driven(prior: Prior, measure: Measure) -> str:
-    """Why the mean car cannot be driven so; "" where it can."""
+    """Return why the mean car cannot drive a measure here; "" if it can."""
     try:
         if measure.driven:
             drive(cars(prior, 1)[0], measure, prior.track, prior.sensors)
@@ -208,16 +228,18 @@ def _why_not_driven(prior: Prior, measure: Measure) -> str:
 
 
 def _medians(
-    mapped: MapFunction, prior: Prior, sequels: Sequence[_Sequel], count: int
+    in_parallel: MapFunction, prior: Prior, sequences: Sequence[_Sequence], count: int
 ) -> list[HalfWidths]:
-    """Median widths over ``count`` cars after each of the sequels.
+    """Return the median widths over ``count`` cars after each sequence.
 
-    Raises LogError with the reason for one that cannot be done.
+    Raises LogError, with the reason, for a sequence that cannot be done.
     """
-    outcomes = list(_outcomes(mapped, prior, sequels, count))
-    for reason in filter(None, (reason for reason, _ in outcomes)):
-        raise LogError(reason, where=prior.vehicle.name)
-    return [_median(widths) for _, widths in outcomes]
+    medians = []
+    for reason, widths in _outcomes(in_parallel, prior, sequences, count):
+        if reason:
+            raise LogError(reason, where=prior.vehicle.name)
+        medians.append(_median(widths))
+    return medians
 
 
 def _median(widths: Sequence[HalfWidths]) -> HalfWidths:
@@ -225,68 +247,23 @@ def _median(widths: Sequence[HalfWidths]) -> HalfWidths:
 
 
 def _outcomes(
-    mapped: MapFunction, prior: Prior, sequels: Sequence[_Sequel], count: int
+    in_parallel: MapFunction, prior: Prior, sequences: Sequence[_Sequence], count: int
 ) -> Iterator[tuple[str, list[HalfWidths]]]:
-    """Why a sequel cannot be done, "" where it can, and the widths of ``count`` cars after it."""
-    cases = [(number, steps) for steps in sequels for number in range(count)]
-    outcomes = list(mapped(partial(_outcome, prior), cases))
+    """Yield, for each sequence, why it cannot be done or "", and the widths of ``count`` cars."""
+    cases = [(number, sequence) for sequence in sequences for number in range(count)]
+    outcomes = list(in_parallel(partial(_outcome, prior), cases))
     for i in range(0, len(outcomes), count):
         reasons, widths = zip(*outcomes[i : i + count], strict=True)
         yield next(filter(None, reasons), ""), list(widths)
 
 
-def _outcome(prior: Prior, case: tuple[int, _Sequel]) -> tuple[str, HalfWidths]:
-    """Widths of the car of that number after the measures; infinite, and why, if it has none."""
-    number, steps = case
+def _outcome(prior: Prior, case: tuple[int, _Sequence]) -> tuple[str, HalfWidths]:
+    """Return "" and the widths of one car, given by its number in `cars`, after a sequence.
+
+    If the sequence cannot be done, return the reason and infinite widths.
+    """
+    number, sequence = case
     try:
-        return "", half_widths(prior, cars(prior)[number], steps, SEED + 100 * number)
+        return "", half_widths(prior, cars(prior)[number], sequence, SEED + 100 * number)
     except BrakeCalError as error:
         return error.problem, HalfWidths(math.inf, math.inf, math.inf)
-
-
-def document(plan: Plan) -> dict[str, Any]:
-    """The plan as a JSON document: half widths are relative [1], infinite if nothing is known."""
-    track = plan.prior.track
-    return {
-        "vehicle": plan.prior.vehicle.name,
-        "track": {"length": track.length, "speed": track.speed},
-        "sensors": sorted(plan.prior.sensors),
-        "noise": {name: level.sd for name, level in sorted(plan.prior.noise.items())},
-        "want": {**plan.want.widths._asdict(), "seconds": plan.want.seconds},
-        "before": plan.start._asdict(),
-        "steps": [
-            {
-                "measure": step.measure.name,
-                "text": step.measure.text,
-                "driver": step.measure.driver,
-                "seconds": step.seconds,
-                "end": step.measure.end,
-                "file": file,
-                "half_width": step.widths._asdict(),
-            }
-            for step, file in zip(plan.steps, _files(plan), strict=True)
-        ],
-        "after": plan.after._asdict(),
-        "seconds": plan.seconds,
-        "met": plan.want.met_by(plan.after),
-        "with_v": None if plan.with_speed is None else plan.with_speed._asdict(),
-        "floor": plan.floor._asdict(),
-        "floor_of_runs": plan.floor_of_runs._asdict(),
-        "not_worth": {m.name: gain for m, gain in plan.not_worth.items()},
-        "impossible": {m.name: reason for m, reason in plan.impossible.items()},
-    }
-
-
-def _files(plan: Plan) -> list[str | None]:
-    """Name of the file with the pressure of each step, None for one without a pressure."""
-    measures = [step.measure for step in plan.steps]
-    return [f"{i}_{m.name}.csv" if m.kind == "ramp" else None for i, m in enumerate(measures, 1)]
-
-
-def pressure_files(plan: Plan) -> Iterator[tuple[str, bytes]]:
-    """Name and content of each file of pressure over time, of p_mc, every 10 ms."""
-    for step, file in zip(plan.steps, _files(plan), strict=True):
-        if file is not None:
-            time, pressure = pressure_trace(plan.prior.vehicle, step.measure)
-            lines = (f"{t:.2f},{p / BAR:.3f}" for t, p in zip(time, pressure, strict=True))
-            yield file, "\n".join(["time [s],p_mc [bar]", *lines, ""]).encode()

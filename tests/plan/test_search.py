@@ -15,8 +15,9 @@ from calib.model.sensor_noise import add_noise
 from calib.plan import search
 from calib.plan.achieved import DOCUMENT, HalfWidths, compare, read_plan
 from calib.plan.expected import noise_of, prior_of
+from calib.plan.files import document, pressure_files
 from calib.plan.measure import Track, measures, pressure_trace
-from calib.plan.search import Want, document, plan, pressure_files
+from calib.plan.search import Want, plan
 from tests.support.plant import Plant, as_log, brush, drive
 from tests.support.reference_car import CAR as WEIGHED_CAR
 
