@@ -11,10 +11,7 @@ from calib.base.arrays import Array
 
 
 def content_digest(record: dict[str, Any], curves: dict[str, dict[str, Array]]) -> str:
-    """SHA-256 [hex] of the record as canonical JSON and each column as little-endian float64.
-
-    ``curves`` holds the columns, any shape, by the name of the curve and of the column.
-    """
+    """SHA-256 [hex] of a record as canonical JSON and of the columns of curves as float64."""
     digest = hashlib.sha256(canonical_json(record))
     for curve in sorted(curves):
         for column in sorted(curves[curve]):

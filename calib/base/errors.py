@@ -1,12 +1,5 @@
 """The errors that a user can cause, with their exit codes, as one tree of classes.
 
-    BrakeCalError
-        InputError      a file of the user cannot be used: LogError, VehicleError ...
-        UsageError      a wrong command line
-        StoreError      the table store is damaged, or refuses
-        ProgramFailure  a fault of the program itself
-        AnswerError     the answer cannot be written
-
 The command line catches only the root. A message says what was wrong, which value was given, what
 was expected and where to look. Several errors of one file are one message of several lines.
 """

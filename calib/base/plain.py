@@ -20,14 +20,14 @@ def counted(number: int, noun: str) -> str:
     return f"1 {noun}" if number == 1 else f"{number} {noun}s"
 
 
-def quoted(names: Sequence[str], most: int = 10) -> str:
-    """The first ``most`` names in quotes, and how many more there are.
+def quoted(names: Sequence[str], limit: int = 10) -> str:
+    """The first ``limit`` names in quotes, and how many more there are.
 
     >>> quoted(["p", "v", "a"], 2)
     "'p', 'v' and 1 more"
     """
-    more = f" and {len(names) - most} more" if len(names) > most else ""
-    return ", ".join(map(repr, names[:most])) + more
+    more = f" and {len(names) - limit} more" if len(names) > limit else ""
+    return ", ".join(map(repr, names[:limit])) + more
 
 
 def plus_minus(value: float, half: float) -> str:
@@ -45,8 +45,8 @@ def signed_percent(share: float) -> str:
     >>> signed_percent(0.014), signed_percent(-0.003)
     ('+1\xa0%', '0\xa0%')
     """
-    whole = round(100.0 * share)
-    return f"{whole:+d}{NBSP}%" if whole else f"0{NBSP}%"
+    rounded = round(100.0 * share)
+    return f"{rounded:+d}{NBSP}%" if rounded else f"0{NBSP}%"
 
 
 def range_words(low: str, high: str) -> str:
@@ -158,9 +158,9 @@ class Metric:
         >>> Metric("Valid samples", "%", 100.0, 0.01).bounds(0.125, None)
         'at least 12.5\xa0%'
         """
-        least, most = ("" if x is None else f"{self.factor * x:.10g}" for x in (low, high))
-        unit = f"{NBSP}{self.unit}" if self.unit and (least or most) else ""
-        return range_words(least, most) + unit
+        least, largest = ("" if x is None else f"{self.factor * x:.10g}" for x in (low, high))
+        unit = f"{NBSP}{self.unit}" if self.unit and (least or largest) else ""
+        return range_words(least, largest) + unit
 
 
 _TEXT_COLUMNS = ("scope", "name", "unit", "meaning", "reason", "action")

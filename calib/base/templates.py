@@ -7,10 +7,9 @@ if TYPE_CHECKING:
 
 
 def templates(room: str, *, markup: bool) -> "Environment":
-    """Return the templates of the package ``room``; an unknown variable is an error.
+    """Return the templates of the package ``room``; with ``markup``, all values are escaped.
 
-    With ``markup`` they are HTML or XML, and all values are escaped. A line that holds only a tag
-    of the template leaves no line in the file.
+    An unknown variable is an error. A line with only a tag of the template leaves no line.
     """
     from jinja2 import Environment, PackageLoader, StrictUndefined
 

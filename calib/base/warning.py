@@ -151,10 +151,7 @@ class Measured:
 
 
 def relative(code: str, value: float, usual: float) -> Measured:
-    """Return the measured change of a value, relative to its ``usual`` value [1].
-
-    The warning shows the value itself.
-    """
+    """Return the change of a value relative to its ``usual`` value [1]; people see the value."""
     return Measured(code, value / usual - 1.0, to_display=lambda change: (1.0 + change) * usual)
 
 

@@ -31,15 +31,15 @@ def write_whole(path: Path, content: bytes) -> None:
 
     The new file is first written as ``.<name>.<random>.new`` in the same folder.
     """
-    new = path.with_name(f".{path.name}.{secrets.token_hex(4)}.new")
+    new_path = path.with_name(f".{path.name}.{secrets.token_hex(4)}.new")
     try:
-        with new.open("xb") as file:
+        with new_path.open("xb") as file:
             file.write(content)
             file.flush()
             _flush(file.fileno())
-        _replace(new, path)
+        _replace(new_path, path)
     except BaseException:
-        new.unlink(missing_ok=True)
+        new_path.unlink(missing_ok=True)
         raise
     sync(path.parent)
 
@@ -114,11 +114,8 @@ def _is_open_at(path: Path, handle: int) -> bool:
 
 
 def sync(path: Path) -> None:
-    """Wait until a file, or the list of files in a folder, is on the disk.
-
-    For a folder on Windows, where that is not possible, do nothing.
-    """
-    if sys.platform == "win32" and path.is_dir():
+    """Wait until a file, or the list of files in a folder, is on the disk."""
+    if sys.platform == "win32" and path.is_dir():  # Windows cannot do this for a folder
         return
     handle = os.open(path, os.O_RDWR if sys.platform == "win32" else os.O_RDONLY)
     try:
@@ -199,7 +196,7 @@ def publish(
             for folder in {(out / name).parent for name in others}:
                 sync(folder)  # before the verdict says that the other files are there
             _move(verdict, work, out)
-            sync((out / verdict).parent)
+            sync(out)
         except BaseException:
             _remove(out, [*others, verdict])
             raise
@@ -219,10 +216,7 @@ def _is_inside(out: Path, name: str) -> bool:
 
 
 def refuse_obstacles(out: Path, names: Iterable[str]) -> None:
-    """Raise OSError where a folder is in the place of a file of ``names``.
-
-    The same holds for a file in the place of a folder that one of these files needs.
-    """
+    """Raise OSError if a folder stands in the place of a file, or a file in that of its folder."""
     for name in names:
         if (out / name).is_dir():
             raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(out / name))

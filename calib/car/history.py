@@ -24,8 +24,7 @@ START_TEMP = 100.0
 """Temperature of a disc at the first sample [degC] if not logged: the upper end of cold brakes in
 UN R13-H, annex 3 (65 to 100 degC)."""
 
-COLD = (START_TEMP, START_TEMP)
-"""`START_TEMP` of the front and the rear discs."""
+COLD = (START_TEMP, START_TEMP)  # of the front and the rear discs
 
 
 @dataclass(frozen=True)
@@ -63,25 +62,23 @@ class RunHistory:
     def ripple(self, phase: float) -> Array:
         """sin(front wheel angle + ``phase``) [1] (n,), averaged as the samples are.
 
-        The mean of m evenly spaced samples that span the angle a is the sine at their middle times
-        sin(a/2)/(m sin(a/(2 m))).
+        The mean of m evenly spaced samples that span the angle a is the sine at their middle,
+        multiplied by sin(a/2)/(m sin(a/(2 m))).
         """
         wave = np.sin(self.angle_f + phase)
         if self.averaged == 1 or wave.size < 2:
             return wave
         half_angle = 0.5 * np.gradient(self.angle_f)  # a/2
         divisor = self.averaged * np.sin(half_angle / self.averaged)
-        stands = np.abs(divisor) < 1e-12
-        factor = np.where(stands, 1.0, np.sin(half_angle) / np.where(stands, 1.0, divisor))
+        is_at_rest = np.abs(divisor) < 1e-12
+        factor = np.sin(half_angle) / np.where(is_at_rest, 1.0, divisor)
+        factor = np.where(is_at_rest, 1.0, factor)
         return wave * factor
 
 
 @dataclass(frozen=True)
 class Motion:
-    """The state that an effect may depend on at each moment; arrays of one shape.
-
-    ``v`` speed [m/s]; ``load_f``, ``load_r`` axle loads [N]; ``history`` the run.
-    """
+    """Speed ``v`` [m/s], axle loads [N] and the ``history`` of the run; arrays of one shape."""
 
     v: Array
     load_f: Array

@@ -7,10 +7,8 @@ from calib.base.intervals import Z95
 from calib.car.vehicle import Vehicle
 
 _SHARES = (0.5, 2.0)
-"""Range of a stated mass over the mass of the file [1]: an empty and a laden van.
-
-Outside, the number is in pounds or of another car, or the load moves the centre of gravity.
-"""
+"""Range of a stated mass over that of the file [1]: an empty and a laden van. Outside, the number
+is in pounds or of another car, or the load moves the centre of gravity."""
 
 WEIGHED = 0.005
 """Relative standard deviation of a stated mass [1]: error of a scale for cars, and fuel burnt."""

@@ -112,8 +112,8 @@ class Vehicle:
     def radius_mismatch(self, eta_zero: float) -> float:
         """True ratio of front to rear radius over the ratio of the file, less one [1].
 
-        ``eta_zero`` is the rear over the front wheel speed, less one, while the car rolls freely.
-        There this ratio of speeds equals the true ratio of front to rear radius.
+        ``eta_zero`` is rear over front wheel speed, less one, while the car rolls freely: there
+        this ratio of speeds is the true ratio of front to rear radius.
         """
         return (1.0 + eta_zero) * self.rear.rolling_radius / self.front.rolling_radius - 1.0
 

@@ -37,7 +37,7 @@ _EQUAL, _WITHIN, _DIFFERENT = "equal", "equal within bands", "different"
 
 @dataclass(frozen=True)
 class _Curve(Map):
-    """A curve as a map over one axis, which may be eta or slip."""
+    """A curve as a map over one axis: ``z`` is here eta or slip."""
 
     value: Array
     value_lower: Array
@@ -86,8 +86,8 @@ class Difference:
     """Differences of two tables.
 
     ``curves`` are the curves and columns of maps whose axes overlap; ``apart`` names the others.
-    ``values`` are those of the pads. ``changes`` are those of the record by section: vehicle,
-    quality, provenance and so on. The tables are ``identical`` if the draws are equal, too.
+    ``values`` are the fitted values of the pads. ``changes`` are keys of the record by section,
+    such as vehicle or quality. ``identical`` says that nothing differs, not even the draws.
     """
 
     curves: tuple[_CurveGap, ...]
@@ -169,10 +169,10 @@ def _half_widths(m: Map, column: str) -> Array:
 def _quantile(x: Array, weights: Array) -> float:
     """Quantile `_SHARE_OF_CELLS` of ``x`` (n,) with ``weights`` (n,)."""
     order = np.argsort(x)
-    total = np.cumsum(weights[order])
-    if total[-1] <= 0.0:
+    cumulative = np.cumsum(weights[order])
+    if cumulative[-1] <= 0.0:
         return 0.0
-    return float(x[order][np.searchsorted(total, _SHARE_OF_CELLS * total[-1])])
+    return float(x[order][np.searchsorted(cumulative, _SHARE_OF_CELLS * cumulative[-1])])
 
 
 def _value_gap(name: str, a: Value, b: Value) -> _ValueGap:

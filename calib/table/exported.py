@@ -86,7 +86,7 @@ _LEAST_WIDTH = 1e-3
 
 
 class Written(NamedTuple):
-    """A column as it is written: numbers (n,), or integers if it has a ``fixed`` point."""
+    """A column as it is written: numbers ``values`` (n,), or the integers of ``fixed``."""
 
     values: Array
     fixed: Fixed | None = None
@@ -194,7 +194,7 @@ class WrittenMap:
 def written_map(whole: Map, how: Precision, label: str) -> WrittenMap:
     """Return a map with at most ``how.points`` values on each axis.
 
-    Raises ExchangeError as `Precision`, with the ``label`` of the map.
+    Raises ExchangeError as `Precision.axis`, with the ``label`` of the map.
     """
     values = {
         name: x[_rows(whole, i, how.points)] for i, (name, x) in enumerate(whole.axes.items())
@@ -246,7 +246,7 @@ def as_exported(table: Table, how: Precision) -> Table:
 
     Curves have the bands, counts and flags of the rows that remain. Mass, lengths and pads are not
     rounded here: an export has them with 16 bits or more, so within 0.003 %. Raises ExchangeError
-    as `Precision`.
+    as the methods of `Precision`.
     """
     p, d, g = table.paper, table.difference, table.tyre
     rows = how.rows("eta", p.eta, np.array([p.f1, p.f2, d.D]))
@@ -269,7 +269,7 @@ def as_exported(table: Table, how: Precision) -> Table:
 def _curve(
     curve: _Curve, rows: Index, how: Precision, axis: str, origin: float, *names: str
 ) -> _Curve:
-    """Return some ``rows`` of a curve, with its axis and the columns ``names`` as an ECU reads."""
+    """Return ``rows`` of a curve; the axis and the columns ``names`` are as an ECU reads them."""
     columns = {name: column[rows] for name, column in vars(curve).items()}
     read = {name: how.numbers(columns[name]).read for name in names}
     return type(curve)(**{**columns, **read, axis: how.axis(axis, columns[axis], origin).read})

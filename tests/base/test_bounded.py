@@ -47,12 +47,12 @@ def pipe(path):
 
 
 def listening(path):
-    with socket.socket(socket.AF_UNIX) as made:
-        made.bind(os.path.relpath(path))
+    with socket.socket(socket.AF_UNIX) as server:
+        server.bind(os.path.relpath(path))
 
 
 @pytest.mark.parametrize(
-    ("make", "says"),
+    ("make", "message"),
     [
         (pipe, "a pipe or a device"),
         (Path.mkdir, "directory"),
@@ -62,10 +62,10 @@ def listening(path):
         (lambda path: None, "No such file"),
     ],
 )
-def test_what_is_no_file(tmp_path, monkeypatch, make, says):
+def test_what_is_no_file(tmp_path, monkeypatch, make, message):
     monkeypatch.chdir(tmp_path)
     make(tmp_path / "a")
-    with pytest.raises(OSError, match=says):
+    with pytest.raises(OSError, match=message):
         read_bounded(tmp_path / "a", SMALL)
 
 

@@ -1,4 +1,4 @@
-"""The tree of errors: what they say and the exit code they lead to."""
+"""The tree of errors: exit codes and messages."""
 
 import pytest
 

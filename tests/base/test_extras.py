@@ -1,4 +1,4 @@
-"""What needs an extra says which."""
+"""An error for a missing package names the extra that installs it."""
 
 import pytest
 

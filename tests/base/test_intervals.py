@@ -1,4 +1,4 @@
-"""Noise against the covariance that it is made of, and the normal distribution."""
+"""Noise against its covariance, and likelihood ratios against integrals."""
 
 import numpy as np
 import pytest
@@ -21,10 +21,10 @@ def test_second_differences_have_the_variance_of_their_parts():
     x += np.cumsum(np.cumsum(np.sqrt(turned) * rng.standard_normal(x.size)))
     differences = np.diff(x, 2)
     average, sigma = second_differences(white, walk, turned)
-    made = sigma**2 * np.correlate(average, average, "full")[average.size - 1 :]
-    for lag, expected in enumerate(made):
-        seen = np.mean(differences[lag:] * differences[: differences.size - lag])
-        assert seen == pytest.approx(expected, abs=0.03)
+    expected_covariance = sigma**2 * np.correlate(average, average, "full")[average.size - 1 :]
+    for lag, expected in enumerate(expected_covariance):
+        measured = np.mean(differences[lag:] * differences[: differences.size - lag])
+        assert measured == pytest.approx(expected, abs=0.03)
 
 
 def test_noise_is_told_from_slow_motion_and_from_a_spike_also_where_a_line_joins_its_values():
@@ -33,9 +33,9 @@ def test_noise_is_told_from_slow_motion_and_from_a_spike_also_where_a_line_joins
     x[1000] += 3.0
     assert white_noise(x) == pytest.approx(0.1, rel=0.1)
     assert noise_over(x, 8.0) == pytest.approx([0.1] * 4, rel=0.1)
-    seldom = np.interp(np.arange(2000), np.arange(0, 2000, 8), x[::8])
-    assert white_noise(seldom) < 0.03
-    assert noise_over(seldom, 8.0)[-1] > 0.06
+    interpolated = np.interp(np.arange(2000), np.arange(0, 2000, 8), x[::8])
+    assert white_noise(interpolated) < 0.03
+    assert noise_over(interpolated, 8.0)[-1] > 0.06
 
 
 @pytest.mark.parametrize(

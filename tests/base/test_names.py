@@ -23,9 +23,9 @@ REQUIRED = {"time", "p_mc", "a_x", "omega_fl", "omega_fr", "omega_rl", "omega_rr
 
 def test_channels_and_units_are_those_of_the_contract_in_its_order():
     rows = [tuple(line.split()) for line in CONTRACT.strip().splitlines()]
-    have = [(name, q.unit) for name, q in CHANNELS.items()]
-    assert have[: len(rows)] == rows
+    actual = [(name, q.unit) for name, q in CHANNELS.items()]
+    assert actual[: len(rows)] == rows
     # what a gate may read, and what the balance takes out
-    assert have[len(rows) :] == [
+    assert actual[len(rows) :] == [
         ("steering", "rad"), ("T_drive_f", "N*m"), ("T_drive_r", "N*m"), ("abs_active", "1"),
     ]  # fmt: skip

@@ -1,4 +1,4 @@
-"""Plain names: every metric of a file has one, and a value keeps what matters."""
+"""Every metric has a name for people, and a value is rounded to its relevant digits."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Work in other processes has the results of work in this one, and its errors."""
+"""Work in several processes gives the same results and errors as work in one process."""
 
 import os
 import signal

@@ -21,12 +21,15 @@ def test_a_sigma_is_as_rare_as_the_t_that_it_stands_for(freedom, value):
 @pytest.mark.parametrize("k", [2, 5])
 @pytest.mark.parametrize("between", [0.0, 3.0])
 def test_the_mean_and_one_more_are_within_their_sigma(k, between):
-    """Of 4000 fleets 95 % within 1 %, or more where things differ by their own errors alone."""
+    """In 4000 fleets, 95 % of the values are in the intervals, or more without scatter between."""
     rng = np.random.default_rng([k, int(between)])
-    whole, most = np.hypot(between, 1.0), 0.96 if between else 0.995
-    found = random_effects(rng.normal(0.0, whole, (k, 4000)), np.ones((k, 4000)))
-    one, t95 = rng.normal(0.0, whole, 4000), quantile95(k - 1)
-    for off, sigma in ((found.mean, found.sigma), (one - found.mean, found.prediction_sigma)):
-        assert 0.94 <= np.mean(np.abs(off) <= t95 * sigma) <= most
+    scatter, largest_share = np.hypot(between, 1.0), 0.96 if between else 0.995
+    effects = random_effects(rng.normal(0.0, scatter, (k, 4000)), np.ones((k, 4000)))
+    next_values, t95 = rng.normal(0.0, scatter, 4000), quantile95(k - 1)
+    for error, sigma in (
+        (effects.mean, effects.sigma),
+        (next_values - effects.mean, effects.prediction_sigma),
+    ):
+        assert 0.94 <= np.mean(np.abs(error) <= t95 * sigma) <= largest_share
     if between and k == 5:
-        assert np.sqrt(np.mean(found.between**2)) == pytest.approx(between, rel=0.05)
+        assert np.sqrt(np.mean(effects.between**2)) == pytest.approx(between, rel=0.05)

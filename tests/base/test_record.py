@@ -1,4 +1,4 @@
-"""Schemas of files: quantities, tables by name, and all errors in one message in our words."""
+"""Schemas of files: quantities, tables by name, and all mistakes in one message."""
 
 from typing import Annotated
 

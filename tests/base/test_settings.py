@@ -1,4 +1,4 @@
-"""Where settings are found, and what their file may say."""
+"""The settings file: where it is found, which keys it may have, and its mistakes."""
 
 from pathlib import Path
 

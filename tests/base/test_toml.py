@@ -1,4 +1,4 @@
-"""Numbers as people write them, and what a message makes of them."""
+"""Text that is not TOML, and quantities that are wrong."""
 
 import pytest
 

@@ -32,7 +32,7 @@ def test_a_bound_that_is_not_there_is_null(expected, words, ends):
 
 @pytest.mark.parametrize("code", [*UNITS, "valid_share"])
 def test_every_code_has_words(code):
-    """Those of its rule, or, where that has none, of its metric."""
+    """A title comes from the rule of the code, or else from its metric."""
     title = made(code).title
     assert title
     assert title != code or "_" not in code

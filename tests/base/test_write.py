@@ -1,4 +1,4 @@
-"""All files of a run or none, whatever is killed when, full or read-only."""
+"""A run leaves all its files or none, if it is killed or the disk is full at any step."""
 
 import fcntl
 import os
@@ -12,7 +12,7 @@ from tests.support.killed import killed
 VERDICT = "verdict.json"
 
 
-def old(out):
+def stale_files(out):
     """Files that an earlier run may have left."""
     return ["old.txt", "sim/old.csv"]
 
@@ -23,7 +23,7 @@ def run(out, name, content):
         for file in (f"{name}.txt", f"sim/{name}.csv", "both.txt"):
             (work / file).write_text(content)
         (work / VERDICT).write_text(content)
-        return publish(work, out, VERDICT, old)
+        return publish(work, out, VERDICT, stale_files)
 
 
 def files(out):
@@ -59,9 +59,12 @@ def test_a_kill_at_every_step_leaves_one_run_or_no_verdict(tmp_path):
         out = tmp_path / str(step)
         run(out, "old", "1")
         stopped = killed(lambda out=out: run(out, "new", "2"), step)
-        left = seen(out)
-        assert VERDICT not in left or left in (result_of("old", "1"), result_of("new", "2"))
-        outcomes.add(left.get(VERDICT))
+        remaining = seen(out)
+        assert VERDICT not in remaining or remaining in (
+            result_of("old", "1"),
+            result_of("new", "2"),
+        )
+        outcomes.add(remaining.get(VERDICT))
         run(out, "third", "3")
         assert seen(out).items() >= result_of("third", "3").items()
         assert not [p for p in out.iterdir() if p.name.startswith(".")], step

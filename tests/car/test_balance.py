@@ -35,23 +35,23 @@ def test_brake_forces_are_2_per_axle():
 
 
 def test_without_effects_the_brakes_carry_weight_and_wheels():
-    z, one = np.array([0.0, 0.4]), np.ones(2)
-    balance = force_balance(CAR, Effects(), np.array([0.0, 0.1]), 20.0 * one, z, 0.0 * one)
+    z, ones = np.array([0.0, 0.4]), np.ones(2)
+    balance = force_balance(CAR, Effects(), np.array([0.0, 0.1]), 20.0 * ones, z, 0.0 * ones)
     wheels = sum(2.0 * a.wheel_inertia / a.rolling_radius**2 for a in (CAR.front, CAR.rear))
     assert balance.demanded == pytest.approx((CAR.mass + wheels) * G * z)
-    assert balance.load_f + balance.load_r == pytest.approx(CAR.weight * one)
+    assert balance.load_f + balance.load_r == pytest.approx(CAR.weight * ones)
 
 
 def test_a_motor_takes_its_part_from_the_brakes_of_its_axle():
-    z, one = np.array([0.3, 0.3]), np.ones(2)
-    motion = (np.array([0.0, 0.1]), 20.0 * one, z, 0.0 * one)
+    z, ones = np.array([0.3, 0.3]), np.ones(2)
+    motion = (np.array([0.0, 0.1]), 20.0 * ones, z, 0.0 * ones)
     free = force_balance(CAR, Effects(), *motion)
-    driven = force_balance(CAR, Effects(), *motion, drive=(-300.0 * one, 80.0 * one))
+    driven = force_balance(CAR, Effects(), *motion, drive=(-300.0 * ones, 80.0 * ones))
     # 300 N m slow at the front, 80 N m drive at the rear, both at 0.322 m
-    assert driven.drag_no_inertia_f == pytest.approx(300.0 / 0.322 * one)
-    assert driven.drag_f - free.drag_f == pytest.approx(300.0 / 0.322 * one)
-    assert driven.drag_r - free.drag_r == pytest.approx(-80.0 / 0.322 * one)
-    assert free.demanded - driven.demanded == pytest.approx(220.0 / 0.322 * one)
+    assert driven.drag_no_inertia_f == pytest.approx(300.0 / 0.322 * ones)
+    assert driven.drag_f - free.drag_f == pytest.approx(300.0 / 0.322 * ones)
+    assert driven.drag_r - free.drag_r == pytest.approx(-80.0 / 0.322 * ones)
+    assert free.demanded - driven.demanded == pytest.approx(220.0 / 0.322 * ones)
     assert driven.tyre_sum == pytest.approx(free.tyre_sum)
 
 

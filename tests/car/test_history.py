@@ -1,4 +1,4 @@
-"""A ripple as samples hold it that are means of others."""
+"""The ripple of averaged samples, and disc temperatures, against closed forms."""
 
 from dataclasses import replace
 
@@ -12,7 +12,7 @@ from calib.car.history import constant_speed, disc_temperature
 
 @given(st.integers(1, 5), st.floats(0.0, 2.5), st.floats(-3.0, 3.0))
 def test_a_ripple_is_the_mean_of_its_samples(m, turn, phase):
-    """``turn`` [rad] in one step of m samples, against the mean itself."""
+    """The wheel turns by ``turn`` [rad] in m samples, whose mean is computed here."""
     angle = turn / m * np.arange(60 * m)
     means = np.sin(angle + phase).reshape(60, m).mean(axis=1)
     time = np.arange(60.0)
@@ -32,5 +32,5 @@ def test_constant_power_gives_the_exponential(start, power):
     """T = T_e + (T_0 - T_e) exp(-t/tau), T_e = T_air + P tau/C."""
     end = 20.0 + power * TAU / C
     expected = end + (start - end) * np.exp(-SINCE / TAU)
-    found = disc_temperature(TIME, power * SINCE, C, start)
-    assert found == pytest.approx(expected, rel=1e-10)
+    temperature = disc_temperature(TIME, power * SINCE, C, start)
+    assert temperature == pytest.approx(expected, rel=1e-10)

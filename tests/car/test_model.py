@@ -1,4 +1,4 @@
-"""The model file: what it says, what it leaves out, and every slip it must not let through."""
+"""The model file: values in SI, defaults, exact reading back, and mistakes that are refused."""
 
 from dataclasses import replace
 from pathlib import Path

@@ -94,7 +94,7 @@ def test_the_cars_of_the_samples_have_no_warning():
 @pytest.mark.parametrize("name", MISTAKES)
 def test_a_mistake_is_told_with_its_causes(name):
     vehicle, code = MISTAKES[name]
-    found = {w.code: w for w in vehicle_warnings(vehicle)}
-    assert code in found
-    assert set(found) <= set(UNITS)
-    assert all(w.causes and w.do and w.log == vehicle.name for w in found.values())
+    by_code = {w.code: w for w in vehicle_warnings(vehicle)}
+    assert code in by_code
+    assert set(by_code) <= set(UNITS)
+    assert all(w.causes and w.do and w.log == vehicle.name for w in by_code.values())

@@ -1,4 +1,4 @@
-"""The tyre's closed forms against its definition."""
+"""The closed forms of the tyre against the formula and its derivative, and forms of the curve."""
 
 import math
 from dataclasses import replace
@@ -58,10 +58,10 @@ def test_a_bend_of_a_third_of_the_shape_begins_as_a_brush(peak, shape):
     tyre = MagicFormula(25.0, peak, shape, bend=shape / 3.0)
     slip = np.array([0.02, 0.01]) * peak / tyre.stiffness
     brush = peak * (1.0 - (1.0 - tyre.stiffness * slip / (3.0 * peak)) ** 3)
-    straight = replace(tyre, bend=0.0).force(slip)
-    bent = tyre.force(slip)
-    assert np.abs(bent - brush) / slip == pytest.approx(0.0, abs=4e-4 * tyre.stiffness)
-    assert np.all((straight - brush) / slip > 3e-3 * tyre.stiffness)
+    without_bend = replace(tyre, bend=0.0).force(slip)
+    with_bend = tyre.force(slip)
+    assert np.abs(with_bend - brush) / slip == pytest.approx(0.0, abs=4e-4 * tyre.stiffness)
+    assert np.all((without_bend - brush) / slip > 3e-3 * tyre.stiffness)
 
 
 def test_a_slip_leads_by_the_way_that_the_force_needs():

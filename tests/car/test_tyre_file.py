@@ -1,4 +1,4 @@
-"""Tyre property files: the formula against closed forms, and files that are none."""
+"""Tyre property files: the formula against closed forms, and files that are refused."""
 
 import hashlib
 import math
@@ -34,8 +34,8 @@ def test_stiffness_and_peak_over_load(path):
 
 def test_without_curvature_it_is_the_formula_of_the_car(path):
     use, slip = read_tyres([written(path)])[0].curve(4300.0)
-    own = MagicFormula(stiffness=1.0, peak=1.0, shape=KEYS["PCX1"])
-    np.testing.assert_allclose(own.force(slip), use, atol=1e-12)
+    formula = MagicFormula(stiffness=1.0, peak=1.0, shape=KEYS["PCX1"])
+    np.testing.assert_allclose(formula.force(slip), use, atol=1e-12)
     assert use[-1] == pytest.approx(1.0, abs=1e-4)
 
 
@@ -77,9 +77,9 @@ def test_fall_of_the_rolling_radius(path):
     ],
 )
 def test_files_that_are_refused(path, changed, names):
-    said = refusal(read_tyres, [written(path, **changed)], kind=TyreError, names=path)
-    assert names in said
-    assert "expected" in said
+    message = refusal(read_tyres, [written(path, **changed)], kind=TyreError, names=path)
+    assert names in message
+    assert "expected" in message
 
 
 def test_no_tyre_file_at_all(path):

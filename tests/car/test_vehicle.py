@@ -1,4 +1,4 @@
-"""The vehicle file: what it says in SI, and every slip it must not let through."""
+"""The vehicle file: values in SI, exact reading back, and mistakes that are refused."""
 
 from dataclasses import replace
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Placement against all placements there are, and its error against a fine grid."""
+"""Breakpoints against all possible breakpoints, and their error against a fine grid."""
 
 from itertools import combinations, pairwise
 
@@ -21,10 +21,12 @@ def curves(draw, most=14):
     return x, np.array([draw(values) for _ in range(count)])
 
 
-def by_grid(x, y, kept):
+def by_grid(x, y, kept_rows):
     """Worst error on a fine grid that holds the rows, and rms by Simpson's rule (exact here)."""
     grid = np.unique(np.concatenate([np.linspace(a, b, 9) for a, b in pairwise(x)]))
-    gaps = np.array([np.interp(grid, x[kept], row[kept]) - np.interp(grid, x, row) for row in y])
+    gaps = np.array(
+        [np.interp(grid, x[kept_rows], row[kept_rows]) - np.interp(grid, x, row) for row in y]
+    )
     middle = 0.5 * (gaps[:, 1:] + gaps[:, :-1])
     squares = (gaps[:, 1:] ** 2 + 4 * middle**2 + gaps[:, :-1] ** 2) / 6 * np.diff(grid)
     return np.abs(gaps).max(), np.sqrt(squares.sum(axis=1).max() / (x[-1] - x[0]))
@@ -33,16 +35,16 @@ def by_grid(x, y, kept):
 @given(curves(), st.integers(2, 16))
 def test_the_error_reported_is_the_error_there_is(case, points):
     x, y = case
-    kept = place(x, y, points)
-    found = misfit(x, y, x[kept], y[:, kept])
-    worst, rms = by_grid(x, y, kept)
-    assert found.worst == pytest.approx(worst, abs=1e-12)
-    assert found.rms == pytest.approx(rms, abs=1e-9)
-    there = [
-        abs(np.interp(found.worst_at, x[kept], r[kept]) - np.interp(found.worst_at, x, r))
+    kept_rows = place(x, y, points)
+    error = misfit(x, y, x[kept_rows], y[:, kept_rows])
+    worst, rms = by_grid(x, y, kept_rows)
+    assert error.worst == pytest.approx(worst, abs=1e-12)
+    assert error.rms == pytest.approx(rms, abs=1e-9)
+    gaps = [
+        abs(np.interp(error.worst_at, x[kept_rows], r[kept_rows]) - np.interp(error.worst_at, x, r))
         for r in y
     ]
-    assert max(there) == pytest.approx(found.worst, abs=1e-12)
+    assert max(gaps) == pytest.approx(error.worst, abs=1e-12)
 
 
 @given(curves(most=9), st.integers(2, 8))
@@ -50,18 +52,20 @@ def test_no_other_placement_is_better(case, points):
     x, y = case
     assume(points < len(x))
     inner = range(1, len(x) - 1)
-    every = [[0, *c, len(x) - 1] for k in range(points - 1) for c in combinations(inner, k)]
-    best = min(by_grid(x, y, kept)[0] for kept in every)
-    kept = place(x, y, points)
-    assert by_grid(x, y, kept)[0] == pytest.approx(best, abs=1e-12)
+    placements = [[0, *c, len(x) - 1] for k in range(points - 1) for c in combinations(inner, k)]
+    best = min(by_grid(x, y, kept_rows)[0] for kept_rows in placements)
+    kept_rows = place(x, y, points)
+    assert by_grid(x, y, kept_rows)[0] == pytest.approx(best, abs=1e-12)
 
 
 @pytest.mark.parametrize("points", [4, 8, 16])
 def test_a_parabola_is_met_evenly_by_exactly_the_points_asked_for(points):
-    """A parabola's best chords are equally long, each h^2/4 off (Taylor's remainder)."""
+    """The best chords of a parabola have equal lengths h and errors h^2/4 (Taylor's remainder)."""
     x = np.linspace(0.0, 1.0, 16 * 15 * 7 // 15 + 1)  # 112 intervals
-    kept = place(x, (x * x)[None], points)
-    assert len(kept) == points
+    kept_rows = place(x, (x * x)[None], points)
+    assert len(kept_rows) == points
     ideal = (1.0 / (points - 1)) ** 2 / 4.0
-    assert ideal * (1 - 1e-9) <= misfit(x, (x * x)[None], x[kept], (x * x)[None, kept]).worst
-    assert misfit(x, (x * x)[None], x[kept], (x * x)[None, kept]).worst < 1.3 * ideal
+    assert (
+        ideal * (1 - 1e-9) <= misfit(x, (x * x)[None], x[kept_rows], (x * x)[None, kept_rows]).worst
+    )
+    assert misfit(x, (x * x)[None], x[kept_rows], (x * x)[None, kept_rows]).worst < 1.3 * ideal

@@ -1,4 +1,4 @@
-"""Budgets as numbers and words."""
+"""Budgets add up, and advice follows from their parts."""
 
 import math
 
@@ -19,24 +19,24 @@ def test_parts_add_up_to_the_variance(level, ratio):
     axles = axle_parts(VEHICLE, 0.1, level, ratio)
     squares = [sum(x**2 for x in parts.values()) for parts in axles]
     levers = [math.sqrt(max(square - sum(level.values()), 0.0)) for square in squares]
-    # each axle by the share of the other one: together they are one
+    # the levers of both axles are the shares of the brake force, whose sum is 1
     assert sum(levers) == pytest.approx(math.sqrt(sum(ratio.values())), abs=1e-7)
     assert all(x > 0.0 for parts in axles for x in parts.values())
 
 
 @pytest.mark.parametrize(
-    ("of", "lacks"), [(RAMP, ["ramp"]), (STOP, ["ramp", "resistance", "load_geometry"])]
+    ("kind", "lacks"), [(RAMP, ["ramp"]), (STOP, ["ramp", "resistance", "load_geometry"])]
 )
-def test_every_part_has_an_advice_of_its_own(of, lacks):
-    told = rows("budget.csv", "calib.table")
+def test_every_part_has_an_advice_of_its_own(kind, lacks):
+    advice = rows("budget.csv", "calib.table")
     for part in set(PARTS) - {*lacks}:
-        line = advice_lines([{part: 0.04}] * 2, of)[0]
-        useful = [row["do"] for row in told if row["budget"] in ("", of) and row[part]]
+        line = advice_lines([{part: 0.04}] * 2, kind)[0]
+        useful = [row["do"] for row in advice if row["budget"] in ("", kind) and row[part]]
         assert line.startswith(tuple(useful)), part
 
 
 def test_a_mass_that_was_stated_needs_no_scale():
-    rest = {"tyres": 0.03, "unlike_pads": 0.01}
-    for mass, weigh in ((0.005, False), (0.02, False), (0.03, True), (0.0329, True)):
-        lines = advice_lines([{"mass": mass, **rest}] * 2)
-        assert any("--mass" in line for line in lines) == weigh
+    other_parts = {"tyres": 0.03, "unlike_pads": 0.01}
+    for mass, advised in ((0.005, False), (0.02, False), (0.03, True), (0.0329, True)):
+        lines = advice_lines([{"mass": mass, **other_parts}] * 2)
+        assert any("--mass" in line for line in lines) == advised

@@ -65,9 +65,9 @@ print(stored.id, stored.existed)
 
 
 def test_the_same_logs_give_the_same_version_on_other_processors(tmp_path):
-    said = []
+    printed = []
     for kind in ("Prescott", "Haswell"):
-        ran = subprocess.run(
+        process = subprocess.run(
             [sys.executable, "-c", FIT, str(tmp_path), "sedan", "ramp_wet_asphalt.csv"],
             env={**os.environ, "OPENBLAS_CORETYPE": kind},
             cwd=ROOT,
@@ -75,11 +75,11 @@ def test_the_same_logs_give_the_same_version_on_other_processors(tmp_path):
             text=True,
             check=False,
         )
-        if ran.returncode < 0:
+        if process.returncode < 0:
             pytest.skip(f"this processor cannot run the code of a {kind}")
-        said.append(ran.stdout.split())
-    assert [existed for _, existed in said] == ["False", "True"]
-    assert len({name for name, _ in said}) == 1
+        printed.append(process.stdout.split())
+    assert [existed for _, existed in printed] == ["False", "True"]
+    assert len({name for name, _ in printed}) == 1
 
 
 @given(st.floats(-1.0, 1.0), st.integers(0, 20))
@@ -119,7 +119,7 @@ def test_other_inputs_are_another_table():
 
 
 def test_numbers_of_a_fingerprint_follow_from_the_log():
-    """They may be rounded in another way; a table without one is another table."""
+    """Rounded fingerprints leave a table the same; a table without a fingerprint is another."""
     table = made_table()
 
     def with_fingerprints(*prints):

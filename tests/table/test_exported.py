@@ -1,4 +1,4 @@
-"""Tables as an ECU reads them: breakpoints of maps, their rounding, and what it costs."""
+"""Tables as an ECU reads them: breakpoints of maps, rounding, and the errors of both."""
 
 from dataclasses import replace
 from itertools import combinations
@@ -24,27 +24,27 @@ def curved():
     half = 0.12 + 0.3 * np.exp(-(((shift - 0.03) / 0.02) ** 2)) * (1.0 + z)
     ends = {"_lower": ratio - half, "": ratio, "_upper": ratio + 1.3 * half}
     columns = {f"{name}{end}": x for name in ("ratio", "change") for end, x in ends.items()}
-    seen = {"log_slip": -3.0 - z + 9.0 * shift, "log_slip_sigma": 0.1 + 0.5 * z}
-    return PadMap.from_grids(axes, **columns, **seen, share=np.ones_like(z), prior=half)
+    slip_columns = {"log_slip": -3.0 - z + 9.0 * shift, "log_slip_sigma": 0.1 + 0.5 * z}
+    return PadMap.from_grids(axes, **columns, **slip_columns, share=np.ones_like(z), prior=half)
 
 
 def test_breakpoints_are_those_where_the_map_bends():
-    """Linear between two values of z and three of shift: those are kept, and nothing is lost."""
+    """A map that is linear between few values of z and shift keeps these values, without error."""
     values = np.outer([1.0, 0.2, 0.5], [0.3, -0.2, 0.4, 0.5])[..., None]
     bent = PadMap.from_grids(
         [np.array([0.1, 0.4, 0.8]), np.array([-0.004, 0.003, 0.008, 0.02]), np.zeros(1)],
         **dict.fromkeys(made_map().names, values) | {"share": np.ones_like(values)},
     )
     fine = bent.on([np.linspace(0.1, 0.8, 15), np.linspace(-0.004, 0.02, 25), np.zeros(1)])
-    made = written_map(fine, Precision(points=4), "map")
-    assert made.axes["z"].values[[0, -1]].tolist() == [0.1, 0.8]
-    assert {0.4} <= set(made.axes["z"].values.round(12))
-    assert made.axes["shift"].values == pytest.approx([-0.004, 0.003, 0.008, 0.02])
-    assert made.misfit["z"].worst < 1e-12
+    written = written_map(fine, Precision(points=4), "map")
+    assert written.axes["z"].values[[0, -1]].tolist() == [0.1, 0.8]
+    assert {0.4} <= set(written.axes["z"].values.round(12))
+    assert written.axes["shift"].values == pytest.approx([-0.004, 0.003, 0.008, 0.02])
+    assert written.misfit["z"].worst < 1e-12
 
 
 def test_breakpoints_stand_where_stops_are():
-    """A wild end that no stop shows takes none of the points that a bend in the middle needs."""
+    """A part of the map that no stop reaches takes no breakpoints from the part where stops are."""
     z, shift = np.array([0.1, 0.4]), np.linspace(-0.3, 0.3, 25)
     usual = np.exp(-0.5 * (shift / 0.05) ** 2)
     values = np.tanh(shift / 0.05) + np.where(np.abs(shift) > 0.2, np.cos(300.0 * shift), 0.0)
@@ -52,8 +52,8 @@ def test_breakpoints_stand_where_stops_are():
     grids |= {"ratio_lower": grids["ratio"] - 0.1, "ratio_upper": grids["ratio"] + 0.1}
     grids["share"] = np.tile(usual, (2, 1))[..., None]
     whole = PadMap.from_grids([z, shift, np.zeros(1)], **grids)
-    made = written_map(whole, Precision(points=9), "map")
-    read = np.interp(shift, made.axes["shift"].values, made.columns["ratio"].values[:9])
+    written = written_map(whole, Precision(points=9), "map")
+    read = np.interp(shift, written.axes["shift"].values, written.columns["ratio"].values[:9])
     assert np.max(np.abs(read - values)[usual > 0.1]) < 0.06
 
 
@@ -63,29 +63,34 @@ def test_the_placement_of_least_squares_is_the_best_there_is(points):
     x, curves = np.sort(rng.random(11)), rng.normal(size=(6, 11)).cumsum(axis=1)
     weights = rng.random((6, 11))
 
-    def error(kept):
+    def error(kept_rows):
         pairs = zip(curves, weights, strict=True)
-        return sum(np.sum(w * (np.interp(x, x[kept], y[kept]) - y) ** 2) for y, w in pairs)
+        return sum(
+            np.sum(w * (np.interp(x, x[kept_rows], y[kept_rows]) - y) ** 2) for y, w in pairs
+        )
 
     every = [[0, *c, 10] for k in range(points - 1) for c in combinations(range(1, 10), k)]
-    kept = place_weighted(x, curves, weights, points)
-    assert error(kept) == pytest.approx(min(map(error, every)), abs=1e-12)
+    kept_rows = place_weighted(x, curves, weights, points)
+    assert error(kept_rows) == pytest.approx(min(map(error, every)), abs=1e-12)
 
 
 @pytest.mark.parametrize("how", WIDTHS, ids=str)
 def test_a_plane_costs_no_more_than_its_rounding(how):
-    """Read at the rounded places, so that a coarse axis costs nothing within its ends."""
+    """Cells are read at the rounded axes, so a coarse axis adds no error within its ends."""
     plane = made_map(z=np.linspace(0.05, 0.85, 9), shift=np.linspace(-0.004, 0.02, 9))
-    held = as_exported(replace(made_table(), map=plane), Precision(points=5, **how)).map
+    exported = as_exported(replace(made_table(), map=plane), Precision(points=5, **how)).map
     ends = ((name, x[0], x[-1]) for name, x in plane.axes.items())
     inside = np.logical_and.reduce(
-        [(low <= getattr(held, name)) & (getattr(held, name) <= high) for name, low, high in ends]
+        [
+            (low <= getattr(exported, name)) & (getattr(exported, name) <= high)
+            for name, low, high in ends
+        ]
     )
-    true = plane.on([*held.axes.values()])
+    true = plane.on([*exported.axes.values()])
     bits = how.get("bits", 24 if how else 53)
-    assert np.abs(held.ratio_upper - true.ratio_upper)[inside].max() <= 2.0**-bits
-    form = A + B_Z * held.z + B_SHIFT * held.shift + B_SLIP * held.slip
-    assert np.abs(held.ratio - form)[inside].max() <= 2.0**-bits
+    assert np.abs(exported.ratio_upper - true.ratio_upper)[inside].max() <= 2.0**-bits
+    plane_values = A + B_Z * exported.z + B_SHIFT * exported.shift + B_SLIP * exported.slip
+    assert np.abs(exported.ratio - plane_values)[inside].max() <= 2.0**-bits
 
 
 @pytest.mark.parametrize("how", WIDTHS, ids=str)
@@ -96,8 +101,11 @@ def test_every_format_has_the_numbers_of_the_exported_table(how, points):
     data = build(
         replace(stored_as("sedan@1"), table=replace(made_table(), map=curved())), points, **how
     )
-    held = {
-        one.label: one.values if one.fixed is None else one.fixed.values for one in data.objects
+    exported = {
+        data_object.label: data_object.values
+        if data_object.fixed is None
+        else data_object.fixed.values
+        for data_object in data.objects
     }
     for name, column in (
         ("eta", t.paper.eta), ("f1", t.paper.f1), ("f2", t.paper.f2), ("D", t.difference.D),
@@ -108,20 +116,27 @@ def test_every_format_has_the_numbers_of_the_exported_table(how, points):
         ("log_slip", t.map.grid("log_slip")[..., 0].ravel()),
         ("log_slip_sigma", t.map.grid("log_slip_sigma")[..., -1].ravel()),
     ):  # fmt: skip
-        assert held[f"sedan_{name}"].tolist() == column.tolist(), name
+        assert exported[f"sedan_{name}"].tolist() == column.tolist(), name
     assert t.paper.f1_lower.size == t.paper.f1.size
     assert t.vehicle == table.vehicle
 
 
 def test_600_bytes_hold_the_map():
-    """6 by 6 by 4 cells in 8 bits: ratio and bounds, log_slip and sigma, and the axes."""
+    """The map has 6 by 6 by 4 cells in 8 bits: ratio, bounds, log_slip, sigma, and the axes."""
     how = Precision(points=6, bits=8)
     table = replace(stored_as("sedan@1"), table=replace(made_table(), map=curved()))
-    kept = ("z", "shift", "slip_apart", "ratio", "ratio_lower", "ratio_upper", "log_slip")
-    labels = {f"sedan_{name}" for name in (*kept, "log_slip_sigma")}
-    objects = [one for one in build(table, 6, bits=8).objects if one.label in labels]
+    kept_rows = ("z", "shift", "slip_apart", "ratio", "ratio_lower", "ratio_upper", "log_slip")
+    labels = {f"sedan_{name}" for name in (*kept_rows, "log_slip_sigma")}
+    objects = [
+        data_object
+        for data_object in build(table, 6, bits=8).objects
+        if data_object.label in labels
+    ]
     assert len(objects) == len(labels)
-    assert sum(one.fixed.raw.size * one.fixed.bits // 8 for one in objects) <= 600
+    assert (
+        sum(data_object.fixed.raw.size * data_object.fixed.bits // 8 for data_object in objects)
+        <= 600
+    )
     table = as_exported(replace(made_table(), map=curved()), how)
     draw = np.random.default_rng(1)
     places = [np.sort(draw.uniform(*ends, 30)) for ends in ((0.1, 0.8), (0.0, 0.04), (-1.0, 1.0))]

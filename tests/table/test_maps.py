@@ -1,4 +1,4 @@
-"""Maps as values: their axes, their reading between cells, and their way through the store."""
+"""Maps: their axes, interpolation between cells, storage and comparison."""
 
 from dataclasses import fields, replace
 
@@ -28,26 +28,26 @@ PARTS = ("map", "level_map", "draws")
 
 
 def test_rows_are_every_combination_and_a_grid_has_the_shape_of_the_axes():
-    made = made_map()
-    assert made.shape == (4, 5, 3)
-    assert made.axes["shift"].tolist() == [-0.004, 0.0, 0.003, 0.007, 0.02]
-    assert made.z.tolist() == sorted([0.1, 0.3, 0.45, 0.8] * 15)
-    assert made.grid("ratio")[2, 4, 1] == A + B_Z * 0.45 + B_SHIFT * 0.02 + B_SLIP * 0.5
-    assert made.bounded_columns == ("ratio", "change")
+    pad_map = made_map()
+    assert pad_map.shape == (4, 5, 3)
+    assert pad_map.axes["shift"].tolist() == [-0.004, 0.0, 0.003, 0.007, 0.02]
+    assert pad_map.z.tolist() == sorted([0.1, 0.3, 0.45, 0.8] * 15)
+    assert pad_map.grid("ratio")[2, 4, 1] == A + B_Z * 0.45 + B_SHIFT * 0.02 + B_SLIP * 0.5
+    assert pad_map.bounded_columns == ("ratio", "change")
 
 
 def test_it_is_read_linearly_along_each_axis_and_clamped():
-    """The other reader is that of scipy, on numbers without any order."""
+    """The truth is an interpolator of SciPy on random numbers."""
     rng = np.random.default_rng(3)
     axes = [np.sort(rng.random(n)) for n in (4, 5, 3)]
     values = rng.normal(size=(4, 5, 3))
-    names = [one.name for one in fields(PadMap)][3:]
-    made = PadMap.from_grids(axes, **dict.fromkeys(names, values))
-    at = [np.linspace(-0.2, 1.2, 9), np.linspace(-0.1, 1.1, 7), np.linspace(0.0, 1.0, 5)]
-    points = np.meshgrid(*(np.clip(x, a[0], a[-1]) for x, a in zip(at, axes, strict=True)),
+    names = [entry.name for entry in fields(PadMap)][3:]
+    pad_map = PadMap.from_grids(axes, **dict.fromkeys(names, values))
+    places = [np.linspace(-0.2, 1.2, 9), np.linspace(-0.1, 1.1, 7), np.linspace(0.0, 1.0, 5)]
+    points = np.meshgrid(*(np.clip(x, a[0], a[-1]) for x, a in zip(places, axes, strict=True)),
                          indexing="ij")  # fmt: skip
     true = RegularGridInterpolator(axes, values)(np.stack(points, axis=-1))
-    np.testing.assert_allclose(made.on(at).grid("ratio"), true, atol=1e-12)
+    np.testing.assert_allclose(pad_map.on(places).grid("ratio"), true, atol=1e-12)
 
 
 def test_maps_come_back_to_the_bit(tmp_path):
@@ -82,51 +82,51 @@ def test_the_draws_state_their_units(tmp_path):
     ],
 )
 def test_a_wrong_cell_is_named(column, row, value, says):
-    made = made_map()
-    cells = np.array(getattr(made, column))
+    pad_map = made_map()
+    cells = np.array(getattr(pad_map, column))
     cells[row] = value
-    assert violations(replace(made_table(), map=replace(made, **{column: cells}))) == (says,)
+    assert violations(replace(made_table(), map=replace(pad_map, **{column: cells}))) == (says,)
 
 
 @pytest.mark.parametrize("part", PARTS)
 def test_every_number_of_a_map_must_be_finite(part):
     table = made_table()
-    held = getattr(table, part)
-    for name in vars(held):
-        cells = np.array(getattr(held, name))
+    part_of_table = getattr(table, part)
+    for name in vars(part_of_table):
+        cells = np.array(getattr(part_of_table, name))
         cells[1] = np.nan
-        bad = replace(held, **{name: cells})
+        bad = replace(part_of_table, **{name: cells})
         with pytest.raises(NotFiniteError, match=f"{part}.{name}"):
             require_finite(replace(table, **{part: bad}))
 
 
 def test_two_maps_differ_by_their_closed_form():
-    """On other axes, too: the other map is read exactly, and 0.04 z is largest at the end."""
+    """The axes differ, too; a difference of 0.04 z is largest at the end of the common axis."""
     table, other = made_table(), made_map((0.2, 0.6), (-0.002, 0.01), (-2.0, 0.0, 1.0))
     moved = ("ratio", "ratio_lower", "ratio_upper")
     tilt = {name: getattr(other, name) + 0.04 * other.z for name in moved}
-    found = diff(table, replace(table, map=replace(other, **tilt)))
-    gap = next(one for one in found.curves if one.curve == "map ratio")
+    difference = diff(table, replace(table, map=replace(other, **tilt)))
+    gap = next(entry for entry in difference.curves if entry.curve == "map ratio")
     assert (gap.start, gap.end, gap.at) == (0.2, 0.6, 0.6)
     assert gap.largest == pytest.approx(0.04 * 0.6, abs=1e-12)
     assert gap.in_bands == pytest.approx(0.04 * 0.6 / np.hypot(0.15, 0.15), rel=1e-9)
-    assert not found.identical
+    assert not difference.identical
 
 
 def test_a_table_differs_from_one_with_other_draws():
     table = made_table()
     assert diff(table, made_table()).identical
     stiff = replace(table.draws, compliance_f=1.1 * table.draws.compliance_f)
-    found = diff(table, replace(table, draws=stiff))
-    assert not found.identical
-    assert found.verdict == "equal within bands"
+    difference = diff(table, replace(table, draws=stiff))
+    assert not difference.identical
+    assert difference.verdict == "equal within bands"
 
 
 def test_maps_are_compared_where_two_fits_are():
     table = made_table()
     near, far = (
-        replace(made_table(), map=replace(made_map(), ratio=made_map().ratio * (1.0 + by)))
-        for by in (1e-6, 1e-4)
+        replace(made_table(), map=replace(made_map(), ratio=made_map().ratio * (1.0 + change)))
+        for change in (1e-6, 1e-4)
     )
     assert is_same_fit(table, near)
     assert not is_same_fit(table, far)

@@ -22,9 +22,9 @@ def force(vehicle, mu_f, mu_r):
 @given(st.floats(-0.3, 0.3), st.floats(-0.3, 0.3))
 def test_the_level_is_the_brake_force_of_both_axles_and_the_way_back_is_exact(level, ratio):
     pads = car_table(1, level=level, ratio=ratio).calibration
-    found = pad_levels(VEHICLE, pads)
+    levels = pad_levels(VEHICLE, pads)
     nominal = force(VEHICLE, VEHICLE.front.pad_friction, VEHICLE.rear.pad_friction)
-    told = force(VEHICLE, pads.pad_friction_f.value, pads.pad_friction_r.value)
-    assert found.level == pytest.approx(math.log(told / nominal), abs=1e-12)
-    assert found.ratio == pytest.approx(ratio, abs=1e-12)
-    assert math.log(pad_scale(VEHICLE, found)) == pytest.approx(level, abs=1e-12)
+    calibrated = force(VEHICLE, pads.pad_friction_f.value, pads.pad_friction_r.value)
+    assert levels.level == pytest.approx(math.log(calibrated / nominal), abs=1e-12)
+    assert levels.ratio == pytest.approx(ratio, abs=1e-12)
+    assert math.log(pad_scale(VEHICLE, levels)) == pytest.approx(level, abs=1e-12)

@@ -29,18 +29,18 @@ def test_content_and_back_is_the_same_table(table):
 
 def test_keys_that_say_nothing_are_no_part_of_a_record(table):
     record, _ = table.content()
-    new = {"own_effects", "empirical", "warnings", "spread"}
-    assert not new & set(record)
+    optional = {"own_effects", "empirical", "warnings", "spread"}
+    assert not optional & set(record)
     assert not {"identity", "parents"} & set(record["provenance"])
     assert "motor_odds" not in record["vehicle"]
     assert "pad_friction_tolerance" not in {*record["vehicle"]["front"], *record["vehicle"]["rear"]}
     assert all(set(log) == {"name", "digest", "role"} for log in record["provenance"]["logs"])
-    stated = replace(table, vehicle=replace(table.vehicle, motor_odds=0.0))
-    assert from_content(*stated.content()).vehicle.motor_odds == 0.0
+    with_odds = replace(table, vehicle=replace(table.vehicle, motor_odds=0.0))
+    assert from_content(*with_odds.content()).vehicle.motor_odds == 0.0
     rear = replace(table.vehicle.rear, pad_friction_tolerance=0.03)
-    told = replace(table, vehicle=replace(table.vehicle, rear=rear))
-    assert from_content(*told.content()).vehicle == told.vehicle
-    assert told.digest != table.digest
+    with_tolerance = replace(table, vehicle=replace(table.vehicle, rear=rear))
+    assert from_content(*with_tolerance.content()).vehicle == with_tolerance.vehicle
+    assert with_tolerance.digest != table.digest
 
 
 def test_digest_is_sha256_of_the_canonical_content():

@@ -1,4 +1,4 @@
-"""What no log of a car shows, against closed forms and a root of the equation of eta."""
+"""Entries whose errors no log shows, against closed forms and a root of the equation of eta."""
 
 from dataclasses import replace
 
@@ -11,30 +11,30 @@ from calib.table.unseen import unseen_entries
 from tests.support.tables import VEHICLE, made_table
 
 TABLE = made_table()
-Z = 0.2  # half of the ramp that the table is taken to have
+Z = 0.2  # half of the deceleration that the ramp of the table is assumed to reach
 
 
-def entries(**how):
-    return {one.entry: one for one in unseen_entries(TABLE, **how)}
+def entries(**options):
+    return {entry.entry: entry for entry in unseen_entries(TABLE, **options)}
 
 
 @pytest.mark.parametrize(
-    ("how", "shown"),
+    ("options", "shown"),
     [
         ({"v": True}, {"a_x", "rolling_radius"}),
         ({"v": False, "mass": 0.004}, set()),
     ],
 )
-def test_what_a_speed_shows_is_not_on_the_list(how, shown):
-    everything = entries(v=False)
-    assert {*everything} - {*entries(**how)} == shown
-    assert all(0.0 < one.up_to <= 0.5 and one.shown_by for one in everything.values())
+def test_what_a_speed_shows_is_not_on_the_list(options, shown):
+    without_v = entries(v=False)
+    assert {*without_v} - {*entries(**options)} == shown
+    assert all(0.0 < entry.up_to <= 0.5 and entry.shown_by for entry in without_v.values())
 
 
 def test_the_largest_doubt_comes_first():
-    order = [one.entry for one in unseen_entries(TABLE, v=True, mass=0.1)]
+    order = [entry.entry for entry in unseen_entries(TABLE, v=True, mass=0.1)]
     assert order[0] == "mass"
-    assert order.index("front.pad_friction") < order.index("p_mc")  # one without a doubt
+    assert order.index("front.pad_friction") < order.index("p_mc")  # which has no doubt
 
 
 def test_an_area_moves_the_pads_of_its_own_axle_alone():
@@ -51,24 +51,24 @@ def test_loads_move_the_ratio_as_the_same_eta_demands(entry):
         front, rear = axle_loads(car, Z)
         return share / front - (1.0 - share) / rear
 
-    by = 1e-4
-    longer = {"cg_to_rear_axle": VEHICLE.cg_to_rear_axle - by * VEHICLE.cg_to_front_axle}
+    step = 1e-4
+    longer = {"cg_to_rear_axle": VEHICLE.cg_to_rear_axle - step * VEHICLE.cg_to_front_axle}
     other = replace(
         VEHICLE,
-        **{entry: (1.0 + by) * getattr(VEHICLE, entry)},
+        **{entry: (1.0 + step) * getattr(VEHICLE, entry)},
         **(longer if entry == "cg_to_front_axle" else {}),
     )
     moved = brentq(lambda x: unlike(x, other) - unlike(share, VEHICLE), 0.1, 0.99, xtol=1e-14)
-    ratio = (moved - share) / (share * (1.0 - share)) / by
-    of = entries(v=True)[entry]
-    assert of.front - of.rear == pytest.approx(ratio, rel=1e-2)
+    ratio = (moved - share) / (share * (1.0 - share)) / step
+    moved_entry = entries(v=True)[entry]
+    assert moved_entry.front - moved_entry.rear == pytest.approx(ratio, rel=1e-2)
 
 
 @pytest.mark.parametrize("weight", [0.0, 0.3])
 def test_pads_of_the_file_move_the_ratio_by_the_weight_that_they_have(weight):
     table = replace(TABLE, quality={"pad_ratio_nominal_weight": weight})
-    found = {one.entry: one for one in unseen_entries(table, v=True)}
-    front, rear = (found[f"{axle}.pad_friction"] for axle in ("front", "rear"))
+    by_entry = {entry.entry: entry for entry in unseen_entries(table, v=True)}
+    front, rear = (by_entry[f"{axle}.pad_friction"] for axle in ("front", "rear"))
     assert front.front - front.rear == pytest.approx(weight)
     assert rear.front - rear.rear == pytest.approx(-weight)
-    assert front.up_to == found["front.piston_area"].up_to
+    assert front.up_to == by_entry["front.piston_area"].up_to

@@ -1,4 +1,4 @@
-"""Body and sensors against figures by hand, modes of textbooks and filters of SciPy."""
+"""Effects of body and sensors against figures worked out by hand and filters of SciPy."""
 
 import numpy as np
 import pytest
@@ -47,7 +47,7 @@ def test_306_newtons_at_100_km_h():
 
 
 def test_at_the_height_of_the_centre_of_gravity_only_tyre_forces_move_load():
-    """Moments about the contact of the rear wheels: F_zf L = W l_r + F_x h."""
+    """The truth is the sum of moments about the rear contact: F_zf L = W l_r + F_x h."""
     effects = {"aerodynamic_drag": {"drag_area": 2.0, "load_share": 0.0}}
     run = driven(effects, lambda t: 10e5 * min(t, 1.0), 40.0, duration=2.0)
     F_x = sum(run.truth[f"true_Fx_{w}"] for w in WHEELS)
@@ -71,7 +71,7 @@ def test_a_car_left_alone_rolls_as_on_an_inclined_plane(grade, felt):
 @pytest.mark.parametrize("rate", [40.0, 200.0])
 @pytest.mark.parametrize(("frequency", "damping"), [(6.0, 0.1), (10.0, 0.3), (6.0, 0.7)])
 def test_the_deficit_is_that_of_the_mode_in_continuous_time(frequency, damping, rate):
-    """h/L (z - the mode's answer) by SciPy: z runs straight between the samples of both."""
+    """The truth is h/L (z - z_b), with z_b by SciPy for a z that is linear between samples."""
     time = np.arange(round(5.0 * rate)) / rate
     z = 0.02 + 0.3 * np.clip((time - 1.0) / 0.25, 0.0, 1.0)
     mode = ([frequency**2], [1.0, 2.0 * damping * frequency, frequency**2])
@@ -116,7 +116,7 @@ def test_a_delayed_reading_is_that_of_an_earlier_time(name):
 
 
 def test_a_bend_of_one_half_is_the_filter_of_butterworth():
-    """Second order with its corner at 3 Hz, against SciPy's analogue filter."""
+    """A filter of second order with its corner at 3 Hz equals SciPy's analogue filter."""
     step = lambda t: 25e5 * (t > 1.0)  # noqa: E731
     corner = 2.0 * np.pi * 3.0
     filtered = {"filter_time": np.sqrt(2.0) / corner, "filter_bend": 0.5}
@@ -128,7 +128,7 @@ def test_a_bend_of_one_half_is_the_filter_of_butterworth():
 
 
 def test_a_runout_is_the_ripple_of_an_eccentric_ring():
-    """Speed of the teeth past the sensor over that of a centred ring, e/r = 0.002: 1 - e/r sin."""
+    """A ring off centre by e/r = 0.002 has 1 - e/r sin of the speed of a centred ring."""
     motion = made_motion(np.full(50, 20.0))
     centre = -0.002j * np.exp(1j * (motion.history.angle_f + 0.3))  # in radii of the ring
     lever = np.abs(1.0 + 0.0j - centre)  # of the teeth under the sensor

@@ -1,4 +1,4 @@
-"""The catalogue: complete cards, the order of the contract, and an order that is physics."""
+"""The catalogue: complete cards, names of the contract, and the physical order of effects."""
 
 import numpy as np
 import pytest
@@ -54,7 +54,7 @@ def test_the_names_are_those_of_the_contract():
 @pytest.mark.parametrize("name", CATALOGUE)
 @given(data=st.data())
 def test_at_nothing_no_link_of_the_chain_is_changed(name, data):
-    """Whatever the other parameters are."""
+    """At neutral strength, an effect does nothing for any value of its other parameters."""
     effect, history = CATALOGUE[name], made_history()
     own = {p.name: data.draw(st.floats(p.low, p.high)) for p in effect.card.parameters}
     own[effect.card.parameters[0].name] = effect.card.neutral
@@ -83,7 +83,7 @@ def restless(t):
 
 @pytest.mark.parametrize(("name", "p"), PARAMETERS, ids=lambda x: getattr(x, "name", x))
 def test_a_small_change_of_a_parameter_is_a_small_change_of_the_run(name, p):
-    """Halving a step halves what it does: there is a derivative to work with."""
+    """Half of a step changes the run by half as much, so there is a derivative."""
     typical = {q.name: q.typical for q in CATALOGUE[name].card.parameters}
     h, hot = 0.01 * p.spread, {a: 200.0 + 100.0 * clock(3.0) for a in "fr"}
 

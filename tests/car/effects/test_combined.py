@@ -1,4 +1,4 @@
-"""What several effects do together: sums that are sums, and what is joined and chosen."""
+"""Several effects together: their sums, and sets of effects that are joined."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ PULL = EmpiricalTerm("body", "constant", (0.0,), (0.01,))
 
 @given(st.floats(0.0, 2.0), st.floats(0.0, 0.05), st.floats(-0.1, 0.1))
 def test_totals_are_the_sums_worked_out_here(area, c_rr, share):
-    """Of a drag, a rolling resistance, and terms on the body and on the rear wheels."""
+    """The effects are drag, rolling resistance, and terms on the body and on the rear wheels."""
     terms = tuple(
         EmpiricalTerm(place, "constant", (0.0,), (share,)) for place in ("body", "rear_wheels")
     )

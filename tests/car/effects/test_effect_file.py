@@ -1,4 +1,4 @@
-"""A Python file of the user: what is right is read, what is wrong is one error with its line."""
+"""A Python file of the user is read, or refused with one error and its line."""
 
 from dataclasses import replace
 
@@ -15,7 +15,7 @@ CAR = trial("body_force", {})[0]
 
 
 def refusal(tmp_path, text):
-    """The message for a file of this text, less its folder."""
+    """Return the message for a file of this text, without the name of its folder."""
     path = tmp_path / "mine.py"
     path.write_text(text)
     with pytest.raises(ModelError) as caught:
@@ -89,7 +89,7 @@ def test_a_wrong_file_is_one_error_with_file_and_line(tmp_path, old, new, said):
 
 
 def test_a_hook_that_goes_wrong_later_says_so_too(tmp_path):
-    """Beyond the speeds of the trial run."""
+    """The hook fails only at speeds that the trial run does not reach."""
     text = retarder(f"assert motion.v.max() < 50.0; {MOMENT}")
     path = tmp_path / "mine.py"
     path.write_text(text)

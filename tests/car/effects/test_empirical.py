@@ -1,4 +1,4 @@
-"""Empirical terms: their drivers worked out by hand, and where a temperature comes from."""
+"""Empirical terms: their drivers against values worked out by hand, and disc temperatures."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ HEATED = made_history(3, temperature_f=np.full(3, 100.0), temperature_r=np.full(
 
 
 def over_temperature(place):
-    """A thousandth less for each degree."""
+    """The friction falls by a thousandth for each degree."""
     return Effects(terms=(EmpiricalTerm(place, "temperature", (0.0, 500.0), (0.0, -0.5)),))
 
 

@@ -1,4 +1,4 @@
-"""Lines and calipers against the solutions of their equations, recursions and loops by hand."""
+"""Effects of lines and calipers against closed solutions and recursions worked out here."""
 
 import numpy as np
 import pytest
@@ -23,7 +23,7 @@ def test_what_is_above_the_threshold(threshold, p):
 
 @given(st.floats(1e3, 3e5), st.floats(0.0, 150e5), st.booleans())
 def test_a_sensor_whose_zero_reads_too_low_is_a_threshold_below_zero(low, true, clipped):
-    """It reads ``low`` less, or zero: a released brake is released, a pressed one comes back."""
+    """A sensor that reads ``low`` too little, but not below zero, is corrected where it reads."""
     read = max(true - low, 0.0) if clipped else true - low
     history = made_history(1, p_mc=np.array([read]))
     for found in pressures("brake_threshold_pressure", history, threshold=-low):
@@ -56,7 +56,7 @@ def test_the_play_is_its_recursion_and_leaves_its_input_alone(p, relative, half)
 
 @pytest.mark.parametrize("share", [0.0, 0.4, 1.0])
 def test_the_width_is_told_at_20_bar(share):
-    """Full width of the loop over the releasing line, or over 20 bar where it is fixed."""
+    """The full width is a share of the line of release, or of 20 bar where it is fixed."""
     p = np.concatenate([np.linspace(0.0, 80e5, 801), np.linspace(80e5, 0.0, 801)])
     history = made_history(p.size, p_mc=p)
     front, _ = pressures("caliper_hysteresis", history, width=0.1, fixed_share=share)

@@ -1,4 +1,4 @@
-"""Own effects are a part of the value that a car or a model is: where they are missing is told."""
+"""Effects of the user belong to a car, a model or a table; a missing file is an error."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Friction and its distribution against lines, heats and exponentials by hand."""
+"""Effects of the pads against lines, disc temperatures and exponentials worked out by hand."""
 
 from itertools import pairwise
 
@@ -15,7 +15,7 @@ PRESSURE = CATALOGUE["pad_pressure_dependence"]
 
 
 def test_the_simulation_heats_its_own_discs_where_none_is_given():
-    """Heat from the truth channels of the run itself, summed here step by step."""
+    """The heat comes from the truth channels of the run and is summed here step by step."""
     hot = {"fade_slope": 0.004, "fade_onset": 101.0}
     log = driven({"pad_thermal_fade": hot}, lambda t: 40e5, duration=3.0)
     power = log.truth["true_Tb_fl"] * log["omega_fl"]

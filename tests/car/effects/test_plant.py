@@ -1,4 +1,4 @@
-"""Effects of the simulation against a plant of its own, which is told what each of them means."""
+"""Effects of the simulation against an independent plant that has each effect by other means."""
 
 from dataclasses import replace
 
@@ -22,7 +22,7 @@ def ramp(t):
 
 
 def swinging(t, T=0.08, D=0.4):
-    """The answer of T^2 p'' + 2 D T p' + p to a ramp."""
+    """Return p of T^2 p'' + 2 D T p' + p = ramp."""
     w = np.sqrt(1.0 - D * D) / T
     swing = 2 * D * T * np.cos(w * t) + T * (2 * D * D - 1) / np.sqrt(1 - D * D) * np.sin(w * t)
     return 6e5 * (t - 2 * D * T + np.exp(-D * t / T) * swing)

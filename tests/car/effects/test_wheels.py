@@ -24,7 +24,7 @@ def moments(name, motion, car=SEDAN, **parameters):
 
 @given(st.floats(0.0, 0.05), st.floats(0.0, 1.0), st.floats(0.25, 0.4), st.floats(0.25, 0.4))
 def test_rolling_resistance_is_its_share_of_the_weight_at_the_road(c_rr, z, R_f, R_r):
-    """Whatever the load transfer and the radii, M_f/R_f + M_r/R_r = c_rr M g."""
+    """M_f/R_f + M_r/R_r = c_rr M g for any load transfer and any radii."""
     axles = (replace(SEDAN.front, rolling_radius=R_f), replace(SEDAN.rear, rolling_radius=R_r))
     car = replace(SEDAN, front=axles[0], rear=axles[1])
     motion = made_motion([20.0], *axle_loads(car, np.asarray([z])))
@@ -41,7 +41,7 @@ def test_the_drag_of_an_engine_grows_and_is_shared():
 
 
 def test_torque_and_power_of_a_motor_and_the_end_of_a_stop():
-    """R = 0.322 m: 9 kW are 300 N m at 9.66 m/s, 9e3 x 0.322/v above."""
+    """With R = 0.322 m, 9 kW are 300 N m at 9.66 m/s, and 9e3 x 0.322/v above."""
     front, rear = moments("regenerative_torque", made_motion([1.5, 6.0, 9.0, 20.0, 40.0]), **MOTOR)
     whole = [150.0, 300.0, 300.0, 9e3 * 0.322 / 20.0, 9e3 * 0.322 / 40.0]
     assert front == pytest.approx(0.75 * np.array(whole))
@@ -49,7 +49,7 @@ def test_torque_and_power_of_a_motor_and_the_end_of_a_stop():
 
 
 def motor_at(p_mc, time=None, **more):
-    """Front torque of the motor [N m] at 8 m/s, where it is its limit."""
+    """Front torque of the motor [N m] at 8 m/s, where the torque limit holds."""
     p = np.asarray(p_mc, float)
     history = made_history(p.size, p_mc=p, **({} if time is None else {"time": time}))
     motion = replace(made_motion(np.full(p.size, 8.0)), history=history)
@@ -64,12 +64,12 @@ def motor_at(p_mc, time=None, **more):
     ],
 )
 def test_a_motor_sets_in_over_its_span(span, bar, share):
-    """From 1.5 bar on, and in full 40 % above it where no span is given."""
+    """It begins at 1.5 bar; without a span it is complete at a pressure 40 % higher."""
     assert motor_at(np.array(bar) * 1e5, **span) == pytest.approx(225.0 * np.array(share))
 
 
 def test_a_motor_that_lags():
-    """On at once at 0.2 s: 63 % of it one time constant later, and as much less after the end."""
+    """After a step at 0.2 s it has 63 % one time constant later, and falls likewise."""
     time = np.arange(600) * 0.001
     front = motor_at(np.where((time >= 0.2) & (time < 0.4), 9e5, 0.0), time, regen_lag=0.03)
     assert np.all(front[:200] == 0.0)
@@ -78,7 +78,7 @@ def test_a_motor_that_lags():
 
 
 def test_a_loaded_wheel_turns_faster_and_the_analysis_takes_it_out():
-    """Front load over that at rest 1 + z h/l_r, rear 1 - z h/l_f; nothing else of the run moves."""
+    """The loads over those at rest are 1 + z h/l_r and 1 - z h/l_f; no other channel changes."""
     bare, flat = driven({}), driven(FLAT)
     z = -bare["a_x"] / 9.80665
     for w, ratio in (("fl", z * 0.615 / 1.6494), ("rl", -z * 0.615 / 1.1556)):
