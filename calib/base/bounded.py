@@ -114,7 +114,10 @@ def errors_as(error: Callable[..., BrakeCalError], where: object, expected: str)
     except (FileNotFoundError, NotADirectoryError) as cause:
         raise error("no such file", where=where, expected=expected, do="check the path") from cause
     except OSError as cause:
-        raise error(f"cannot be read ({cause.strerror})", where=where, expected=expected) from cause
+        flaw, do = f"cannot be read ({cause.strerror})", ""
+        if Path(str(where)).is_dir():
+            flaw, do = "is a folder", "name the files in it"
+        raise error(flaw, where=where, expected=expected, do=do) from cause
 
 
 def bytes_of(

@@ -49,6 +49,16 @@ def signed_percent(share: float) -> str:
     return f"{rounded:+d}{NBSP}%" if rounded else f"0{NBSP}%"
 
 
+def without_exponent(value: float) -> str:
+    """Return a number with three digits, as people write it.
+
+    >>> without_exponent(0.05523), without_exponent(200000.0), without_exponent(5e-6)
+    ('0.0552', '200000', '0.000005')
+    """
+    digits = f"{value:.3g}"
+    return f"{float(digits):.12f}".rstrip("0").rstrip(".") if "e" in digits else digits
+
+
 def range_words(low: str, high: str) -> str:
     """A range between two written numbers; an empty text means that there is no such bound.
 

@@ -11,6 +11,7 @@ from calib.base.errors import BrakeCalError
 from calib.base.toml import did_you_mean, nearest, shortened
 
 _MAX_LISTED = 100  # mistakes in one message
+_SUSPICIOUS = 8  # mistakes from which on another kind of file was probably given
 
 _EXPECTED = {
     "string_type": "text in quotes",
@@ -61,7 +62,8 @@ def one_error(
     lines = [str(mistake.error(error)) for mistake in mistakes]
     if unlisted:
         lines.append(f"and {unlisted} more")
-    return error(f"{len(mistakes) + unlisted} errors", where=where, lines=tuple(lines))
+    do = "is it the right file?" if len(mistakes) >= _SUSPICIOUS else ""
+    return error(f"{len(mistakes) + unlisted} errors", where=where, do=do, lines=tuple(lines))
 
 
 def _without_misspelt(

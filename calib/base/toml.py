@@ -23,6 +23,10 @@ _KEY_PART_WITH_DOT = r"""(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+"""
 _LONG_KEY = re.compile(rf"(?<![\w-])(?:{_KEY_PART_WITH_DOT}){{{_MAX_PARTS}}}")
 
 
+_USUAL_UNITS = {"Pa": "bar", "m/s": "km/h", "m^2": "cm^2"}
+"""Units in which people write a quantity, where it is not its SI unit."""
+
+
 def load_toml(path: Path, error: type[InputError]) -> dict[str, Any]:
     """Read a TOML file without a schema. Raises ``error`` if it is unreadable or not TOML."""
     data = bytes_of(path, TOML, error, "a TOML file")
@@ -33,7 +37,8 @@ def load_toml(path: Path, error: type[InputError]) -> dict[str, Any]:
         return tomllib.loads(text)
     except (ValueError, RecursionError) as cause:
         expected = 'a TOML file; quantities and texts stand in quotes, with a point: "1.5 kg"'
-        raise error(f"not TOML: {cause}", where=path, expected=expected) from cause
+        do = "" if path.suffix == ".toml" else "is it the right file? It does not end in .toml"
+        raise error(f"not TOML: {cause}", where=path, expected=expected, do=do) from cause
 
 
 def nearest(word: str, words: Collection[str]) -> str | None:
@@ -68,16 +73,17 @@ def quantity(value: object, si: str | None, where: object, error: type[InputErro
     that is not finite.
     """
     dimensionless = si in ("1", None)
+    usual = _USUAL_UNITS.get(si or "1", si)
     written = value if isinstance(value, str) else repr(value)
     match = _QUANTITY.fullmatch(written.strip())
     if match is None or match[2].startswith(","):
-        expected = "a number" if dimensionless else f'a quantity such as "1.5 {si}"'
+        expected = "a number" if dimensionless else f'a quantity such as "1.5 {usual}"'
         raise error(f"{shortened(value)} is not a quantity", where=where, expected=expected)
     number, unit = float(match[1]), match[2]
     if not math.isfinite(number):
         raise error(f"{shortened(value)} is not finite", where=where, expected="a finite number")
     if not unit and not dimensionless:
-        expected = f'a unit, such as "{number:g} {si}"'
+        expected = f'a unit, such as "{number:g} {usual}"'
         raise error(f"{shortened(value)} has no unit", where=where, expected=expected)
     try:
         return to_si(number, unit or "1", si or si_of(unit or "1"))

@@ -16,7 +16,7 @@ from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 from calib.base.errors import not_finite
-from calib.base.plain import metric_of, range_words, rows, texts_of
+from calib.base.plain import metric_of, range_words, rows, texts_of, without_exponent
 from calib.base.units import unit_suffix
 
 REFUSE, VOID, WARN = "refuse", "void", "warn"
@@ -112,8 +112,8 @@ class PlausibilityWarning:
         """The warning without the log, and with the most likely cause alone."""
         text = f"{self.title} ({self.code})"
         is_yes_or_no = UNITS.get(self.code) == "1" and self.expected == (0.0, 0.0)
-        if not (is_yes_or_no and self.measured == 1.0):
-            text = f"{text}: {self.amount}, expected {self.bounds}"
+        if not is_yes_or_no:
+            text = f"{text} is {self.amount}, expected {self.bounds}"
         return "; ".join([text, *(f"likely {cause}" for cause in self.causes[:1]), self.do])
 
     @property
@@ -126,12 +126,13 @@ class PlausibilityWarning:
     @property
     def amount(self) -> str:
         """The measured value with its unit."""
-        return f"{self.measured:.3g}{unit_suffix(UNITS.get(self.code, '1'))}"
+        return f"{without_exponent(self.measured)}{unit_suffix(UNITS.get(self.code, '1'))}"
 
     @property
     def bounds(self) -> str:
-        """The expected range in words."""
-        return range_words(*("" if end is None else f"{end:.3g}" for end in self.expected))
+        """The expected range in words, with its unit."""
+        ends = ("" if end is None else without_exponent(end) for end in self.expected)
+        return range_words(*ends) + unit_suffix(UNITS.get(self.code, "1"))
 
 
 @dataclass(frozen=True)

@@ -209,9 +209,9 @@ def _refuse_missing(missing: list[str], ignored: tuple[str, ...], where: str) ->
     hints = (_suggestion(name, list(ignored), f" to be {name}") for name in missing)
     others = f"; the log also has {quoted(ignored)}" if ignored else ""
     raise LogError(
-        f"channel{'s' if len(missing) > 1 else ''} {', '.join(missing)} missing",
+        f"no column is named {' or '.join(missing)}",
         where=where,
-        expected=f"columns with these names{others}",
+        expected=f"a column for each of these channels{others}",
         do="; ".join([*filter(None, hints), MAP_IT]),
     )
 

@@ -116,7 +116,7 @@ def test_a_message_lists_a_hundred_mistakes_and_counts_the_rest(tmp_path):
     with pytest.raises(SettingsError) as error:
         read_settings(path)
     first, *lines = str(error.value).splitlines()
-    assert first == f"{path}: 300 errors"
+    assert first.startswith(f"{path}: 300 errors")
     assert len(lines) == 101
     assert lines[-1] == "  and 200 more"
 

@@ -16,10 +16,10 @@ def made(code="pressure_zero", expected=(-0.5, 0.5)):
 @pytest.mark.parametrize(
     ("expected", "words", "ends"),
     [
-        ((0.0, 1.0), "0 to 1", [0.0, 1.0]),
-        ((0.0, None), "at least 0", [0.0, None]),
-        ((None, 1.0), "at most 1", [None, 1.0]),
-        ((0.0, 0.0), "0", [0.0, 0.0]),
+        ((0.0, 1.0), "0 to 1 bar", [0.0, 1.0]),
+        ((0.0, None), "at least 0 bar", [0.0, None]),
+        ((None, 1.0), "at most 1 bar", [None, 1.0]),
+        ((0.0, 0.0), "0 bar", [0.0, 0.0]),
     ],
 )
 def test_a_bound_that_is_not_there_is_null(expected, words, ends):

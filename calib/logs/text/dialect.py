@@ -169,10 +169,10 @@ def layout_of(data: bytes, begin: int, text_format: TextFormat, where: str) -> L
         raise LogError("a header and no samples", where=where, expected="at least 50 rows")
     expected = "rows of as many numbers, separated by comma, semicolon, tab or bar"
     raise LogError(
-        "no separator fits this table",
+        "no header with rows of numbers below it",
         where=where,
         expected=f"a header, and {expected}",
-        do="decimal commas need another separator than the comma; see the first lines of the file",
+        do="look at the first lines; decimal commas need another separator than the comma",
     )
 
 
