@@ -1,8 +1,10 @@
 """The diagnosis of a car: find the gap, name its cause, add it, measure the gap on hold-outs.
 
-calibration logs --> problem --> search <-- hold-outs judge --> verdict --> (something left: a term)
-                                                                   |
-                                                                   +--> model, replays, gap
+calibration logs --> problem --> search <-- hold-outs judge
+|
++--> verdict, with a term if something is left
+|
++--> model, replays, gap
 """
 
 from calib.base.errors import ModelError
@@ -45,19 +47,19 @@ def diagnose(
         `calib.car.effects.catalogue.with_own`.
     calibration : two or more logs of different manoeuvres, in which the effect is searched.
     holdout : one or more logs, on which the effect must close the gap.
-    tell : called at each step with the stage in words, the steps of it that are done, and their
-        number.
-    mapped : carries out independent pieces of work, see `calib.base.processes.parallel_map`.
-        Effects of one's own, which other processes do not know, are tried in this one.
+    tell : called at each step with the stage in words, the number of its steps that are done, and
+        the number of all its steps.
+    mapped : a `map` that may work in several processes, see `calib.base.processes.parallel_map`.
+        Effects of the user, which other processes do not know, are tried in this one.
 
     Returns
     -------
     The diagnosis. Its ``model_after`` is the car with the identified effects, for `calib.simulate`.
-    Left and right wheel speeds are made even where nothing brakes.
+    The mean left and right wheel speeds of the unbraked parts are made equal first.
 
-    Raises LogError when there is no hold-out, when nothing in the logs is braked, and for a log
-    that looks like a mistake: a run that is given twice, also as a copy; one whose channels `check`
-    calls wrong; one of another car; wheel speeds that are swapped; a pressure of another run.
+    Raises LogError if there is no hold-out, if nothing in the logs is braked, and for a log that
+    looks like a mistake: a run that is given twice, also as a copy; a log whose channels `check`
+    refuses; a log of another car; wheel speeds that are swapped; a pressure of another run.
 
     >>> import calib
     >>> case = calib.sample_logs() / "hidden" / "case_0"
@@ -72,21 +74,20 @@ def diagnose(
     """
     tell("checking the logs", 0, 1)
     warnings = checked(vehicle, calibration, holdout)
-    recorded = [*sorted(calibration, key=lambda log: log.digest), *holdout]
-    recorded, n = [without_holds(log) for log in recorded], len(calibration)
+    in_order = [*sorted(calibration, key=lambda log: log.digest), *holdout]
+    recorded, count = [without_holds(log) for log in in_order], len(calibration)
     known_to_all = map if vehicle.effects.user_defined else mapped
     for largest in (LARGEST, USUAL):
         logs, taken_out = with_even_sides(recorded, largest)
-        runs = [run_of(log) for log in logs[:n]]
-        search = run_search(problem_of(vehicle, runs, tell, known_to_all), logs[n:])
+        runs = [run_of(log) for log in logs[:count]]
+        search = run_search(problem_of(vehicle, runs, tell, known_to_all), logs[count:])
         require_right_axles(search, logs, warnings)
         tell("replaying the hold-outs", 0, 1)
         verdict = verdict_of(search)
-        slowed = any(
-            acts_on(definition(vehicle.effects, name), SLOWING) for name in verdict.best.names
-        )
-        if taken_out <= USUAL or not (slowed or verdict.term):
-            break  # else it may be a brake that drags on one wheel
+        # a difference of the sides may be a brake that drags on one wheel
+        may_drag = _slows(vehicle, verdict.best.names) or verdict.term is not None
+        if taken_out <= USUAL or not may_drag:
+            break
     best, last = verdict.best, _with_term(verdict)
     unexplained = None
     if verdict.term is not None:
@@ -104,23 +105,28 @@ def diagnose(
         replays_before=last.base_logs,
         replays_after=last.logs,
         measured=search.holdouts.logs,
-        reduced_before=search.base.reduced,
-        reduced_after=last.simulated.reduced if unexplained else best.reduced,
+        reduced_before=search.base.mean_square,
+        reduced_after=last.simulated.mean_square if unexplained else best.mean_square,
         withdrawn=tuple(dict.fromkeys(withdrawn)),
         steps=tuple(search.steps),
         warnings=unexplained_warnings(
-            warnings, unexplained=unexplained is not None, grouped=bool(best.hypothesis.kinds)
+            warnings, unexplained=unexplained is not None, grouped=bool(best.hypothesis.groups)
         ),
     )
 
 
+def _slows(vehicle: Vehicle, names: tuple[str, ...]) -> bool:
+    """Whether one of these effects slows the car."""
+    return any(acts_on(definition(vehicle.effects, name), SLOWING) for name in names)
+
+
 def _with_term(verdict: Verdict) -> Replayed:
-    """The replays with the empirical term; without it where there is none, or it does not help."""
+    """Replay with the empirical term; return the replays without it if it does not help."""
     if verdict.term is None:
         return verdict.after
     try:
         last = verdict.search.replayed(verdict.term)
-    except ModelError:  # such a term need not have an equilibrium
+    except ModelError:  # a car with such a term need not have an equilibrium
         return verdict.after
-    helped = gap_of(verdict.after.logs, last.logs, verdict.search.holdouts.logs).closed > 0.0
-    return last if helped else verdict.after
+    helps = gap_of(verdict.after.logs, last.logs, verdict.search.holdouts.logs).closed > 0.0
+    return last if helps else verdict.after

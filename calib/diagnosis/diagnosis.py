@@ -1,4 +1,4 @@
-"""What a diagnosis answers, and how it is written: a JSON document, and a folder.
+"""The result of a diagnosis, and how it is written: a JSON document, and a folder.
 
 DIR/diagnosis.json  model.toml  report.html  sim/before/<log>.csv  sim/after/<log>.csv
 """
@@ -21,12 +21,12 @@ from calib.logs.write import write_csv
 
 _DOCUMENT, _MODEL, _REPORT = "diagnosis.json", "model.toml", "report.html"
 _RANGES = {"pressure": "Pa", "speed": "m/s", "temperature": "degC", "time": "s"}
-"""Units of the fields that are ranges."""
+"""Units of the fields that are ranges; a tuple is written with its unit."""
 
 
 @dataclass(frozen=True)
 class ParameterEstimate:
-    """A parameter: value and 95 % interval, cut at what the parameter can be, in ``unit``."""
+    """Value and 95 % interval of a parameter, in ``unit``; the interval ends at its bounds."""
 
     value: float
     unit: str
@@ -35,7 +35,7 @@ class ParameterEstimate:
 
 @dataclass(frozen=True)
 class Where:
-    """Where an effect acts: the channel that shows it most, and the ranges of its action, SI."""
+    """Where an effect acts: the channel that shows it most, axle, and ranges of drivers, SI."""
 
     channel: str
     axle: str
@@ -46,7 +46,7 @@ class Where:
 
 @dataclass(frozen=True)
 class Evidence:
-    """Rise of the mean squared innovation without an effect, all else unchanged [1]."""
+    """Rise of the mean squared innovation if an effect is left out, all else unchanged [1]."""
 
     innovation_gain: float
     innovation_gain_holdout: float
@@ -54,7 +54,7 @@ class Evidence:
 
 @dataclass(frozen=True)
 class RunnerUp:
-    """The best name without an effect, and the fall of the mean squared innovation with it [1]."""
+    """Names of the best fit without an effect, and its fall of the mean squared innovation [1]."""
 
     name: str
     innovation_gain: float
@@ -64,8 +64,8 @@ class RunnerUp:
 class Named:
     """An effect that was accepted, with its evidence.
 
-    ``indistinguishable_from`` names that fit the data as well; ``separate_by`` the feasible test
-    that would distinguish them.
+    ``indistinguishable_from`` are names that fit the data as well; ``separate_by`` is a feasible
+    drive that would distinguish them.
     """
 
     name: str
@@ -79,13 +79,13 @@ class Named:
 
 @dataclass(frozen=True)
 class Diagnosis(Viewable):
-    """The whole answer.
+    """The result of a diagnosis.
 
-    ``replays_before`` and ``replays_after`` are the hold-outs replayed open loop; ``unexplained``
-    is None where nothing significant is left; ``reduced_before`` and ``reduced_after`` the mean
-    squared innovation [1]; ``steps`` names of the effects that the search had in turn,
-    ``withdrawn`` of those that fit the calibration logs and not the hold-outs; ``warnings`` what
-    speaks against the logs and is not explained.
+    ``unexplained`` is None if nothing significant is left. ``replays_before`` and
+    ``replays_after`` are the hold-outs replayed open loop, without and with the effects;
+    ``reduced_before`` and ``reduced_after`` the mean squared innovations [1]. ``steps`` are the
+    names of the effects that the search accepted in turn, ``withdrawn`` those that fit the
+    calibration logs and not the hold-outs. ``warnings`` on the logs are not explained.
     """
 
     verdict: str
@@ -111,8 +111,8 @@ class Diagnosis(Viewable):
 
 
 def to_dict(diagnosis: Diagnosis) -> dict[str, Any]:
-    """The document diagnosis.json, most of it field by field; null for what is not finite."""
-    whole: dict[str, Any] = _plain(
+    """Return the document diagnosis.json; numbers that are not finite are null."""
+    document: dict[str, Any] = _plain(
         {
             "schema": 1,
             "verdict": diagnosis.verdict,
@@ -126,27 +126,29 @@ def to_dict(diagnosis: Diagnosis) -> dict[str, Any]:
             "warnings": diagnosis.warnings,
         }
     )
-    return whole
+    return document
 
 
 def _plain(value: Any) -> Any:
-    """A value as JSON types: a record by its fields, a range with its unit."""
+    """Return a value as JSON types: a record by its fields, a range with its unit."""
     if is_dataclass(value):
         value = {field.name: getattr(value, field.name) for field in fields(value)}
     if isinstance(value, Mapping):
-        return {
-            key: {"range": _plain(part), "unit": _RANGES[key]}
-            if key in _RANGES and isinstance(part, tuple)
-            else _plain(part)
-            for key, part in value.items()
-        }
+        return {key: _plain_field(key, part) for key, part in value.items()}
     if isinstance(value, list | tuple):
         return [_plain(part) for part in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
+def _plain_field(key: str, value: Any) -> Any:
+    """Return the value of a field as JSON types."""
+    if key in _RANGES and isinstance(value, tuple):
+        return {"range": _plain(value), "unit": _RANGES[key]}
+    return _plain(value)
+
+
 def _gap(gap: Gap) -> dict[str, Any]:
-    """The gap over the noise, and that of each channel in its unit."""
+    """The gap in units of the noise, and that of each channel in its unit."""
     channels = {}
     for channel, noise in zip(CHANNELS, gap.noise.tolist(), strict=True):
         rms_before, rms_after = gap.rms(channel=channel)
@@ -162,8 +164,11 @@ def _gap(gap: Gap) -> dict[str, Any]:
 
 
 def files_of(stems: list[str]) -> list[Path]:
-    """Every file that a diagnosis with these hold-outs writes, relative to its folder."""
-    sims = [Path("sim", when, f"{s}.csv") for when in ("before", "after") for s in stems]
+    """Return every file that a diagnosis writes, relative to its folder.
+
+    ``stems`` are the names of the hold-outs.
+    """
+    sims = [Path("sim", when, f"{stem}.csv") for when in ("before", "after") for stem in stems]
     return [Path(_DOCUMENT), Path(_MODEL), Path(_REPORT), *sims]
 
 
@@ -181,8 +186,8 @@ def write_folder(diagnosis: Diagnosis, report: str, out: Path) -> list[Path]:
         write_whole(work / _DOCUMENT, document.encode())
         write_model(diagnosis.model_after, work / _MODEL)
         write_whole(work / _REPORT, report.encode())
-        _, _, _, *paths = files_of([sim.name for sim in diagnosis.replays_before])
-        for sim, path in zip(sims, paths, strict=True):
+        paths = files_of([sim.name for sim in diagnosis.replays_before])
+        for sim, path in zip(sims, paths[-len(sims) :], strict=True):
             (work / path).parent.mkdir(parents=True, exist_ok=True)
             channels = {name: sim[name] for name in ("time", *CHANNELS)}
             write_csv(replace(sim, channels=channels, truth={}), work / path)
@@ -190,4 +195,5 @@ def write_folder(diagnosis: Diagnosis, report: str, out: Path) -> list[Path]:
 
 
 def _replays(out: Path) -> list[str]:
+    """Return the replays in a folder, relative to the folder."""
     return [path.relative_to(out).as_posix() for path in out.glob("sim/*/*.csv")]

@@ -1,8 +1,10 @@
-"""What further effects promise, alone and together, by one linear model of all logs.
+"""Rank further effects, alone and together, by one linear model of all logs.
 
-Every effect is a column for each point of its further parameters at which it is tried. The evidence
-of any of them, of pairs, of triples, with logs that differ in any kinds, then is linear algebra of
-some ten rows.
+    fit --trials--> changes of the innovations --promises--> hypotheses with their evidence
+
+An effect is a column for each point of its further parameters at which it is tried. The evidence of
+single effects, pairs and triples, with logs that differ in any groups of random effects, then is
+linear algebra of some ten rows.
 """
 
 import math
@@ -16,14 +18,15 @@ from numpy.typing import NDArray
 
 from calib.base.arrays import Array
 from calib.car.effects.catalogue import all_effects
-from calib.diagnosis.explanation.base import KINDS, sizes
-from calib.diagnosis.explanation.fit import Fit, of_all
+from calib.diagnosis.explanation.base import GROUPS, random_sigmas
+from calib.diagnosis.explanation.fit import Fit, predict_all
 from calib.diagnosis.explanation.gaussian import Products
 from calib.diagnosis.explanation.hypothesis import FADE, STRENGTH, Hypothesis, State, elements_of
 
 Names = NDArray[np.str_]
 
 _WIDE = 40  # pairs to which a third effect is added
+_LEAST, _MOST = 0.3, 4.0  # factors on the strength of a trial from which a fit may begin [1]
 
 
 @dataclass(frozen=True)
@@ -37,7 +40,7 @@ class Promise:
 
 @dataclass(frozen=True)
 class Trial:
-    """An effect at a ``point`` in spreads of its card, and what it ``changes`` (n,) in each log."""
+    """An effect at a ``point`` of its x, and its ``changes`` of the innovations (n,) by log."""
 
     name: str
     point: Array
@@ -45,77 +48,91 @@ class Trial:
 
 
 def trials(fit: Fit, names: Iterable[str] | None = None) -> list[Trial]:
-    """Further effects, of these ``names`` or every one, beside a fit."""
-    problem, every = fit.problem, all_effects(fit.problem.vehicle.effects)
-    new = [n for n in (every if names is None else names) if n not in fit.names]
-    of_names = problem.mapped(partial(_tried, fit.alone), new)
-    out = list[Trial]()
-    for done, (name, of_name) in enumerate(zip(new, of_names, strict=True)):
-        problem.tell(f"trying effects: {name.replace('_', ' ')}", done, len(new))
-        out += of_name
-    return out
+    """Try further effects beside a fit: those of ``names``, or all that are known."""
+    problem, catalogue = fit.problem, all_effects(fit.problem.vehicle.effects)
+    further = [n for n in (catalogue if names is None else names) if n not in fit.names]
+    by_name = problem.mapped(partial(_trials_of, fit.for_worker), further)
+    collected: list[Trial] = []
+    for number, (name, of_name) in enumerate(zip(further, by_name, strict=True)):
+        problem.tell(f"trying effects: {name.replace('_', ' ')}", number, len(further))
+        collected += of_name
+    return collected
 
 
-def _tried(fit: Fit, name: str) -> list[Trial]:
-    """An effect at full strength of either sign, then with each further parameter a spread away."""
-    elements, out = elements_of(fit.problem.vehicle.effects, name), []
-    lags = fit.lags
-    wider, unit = replace(fit.hypothesis, names=(*fit.names, name)), np.eye(len(elements))
-    shifts = [0.0 * unit[0], *(s * other for other in unit[1:] for s in (-1.0, 1.0))]
+def _trials_of(fit: Fit, name: str) -> list[Trial]:
+    """Try an effect at full strength of either sign, and with each further parameter a spread off.
+
+    Points outside the range of the card are left out.
+    """
+    elements = elements_of(fit.problem.vehicle.effects, name)
+    unit = np.eye(len(elements))
+    wider = replace(fit.hypothesis, names=(*fit.names, name))
+    shifts = [0.0 * unit[0], *(sign * further for further in unit[1:] for sign in (-1.0, 1.0))]
+    collected = []
     for sign, shift in product((1.0, -1.0), shifts):
         point = sign * unit[0] + shift
         if all(e.low <= x <= e.high for e, x in zip(elements, point, strict=True)):
             state = replace(fit.state, x=np.append(fit.state.x, point))
-            moved = zip(of_all(fit.problem, wider, state, lags)[1], fit.innovations, strict=True)
-            out.append(Trial(name, point, [a - b for a, b in moved]))
-    return out
+            moved = predict_all(fit.problem, wider, state, fit.lags)[1]
+            changes = [a - b for a, b in zip(moved, fit.innovations, strict=True)]
+            collected.append(Trial(name, point, changes))
+    return collected
 
 
 def promises(
-    fit: Fit, further: Iterable[Trial], most: int = 3, other: bool = False
+    fit: Fit, further: Iterable[Trial], most: int = 3, more_groups: bool = False
 ) -> list[Promise]:
-    """Further effects, at ``most`` so many, and kinds beside those of ``fit``; best first."""
-    new = [trial for trial in further if trial.name not in fit.names]
-    by_log = zip(*(trial.changes for trial in new), strict=True)
+    """Rank hypotheses with up to ``most`` further effects beside those of ``fit``; best first.
+
+    With ``more_groups`` logs may differ in further groups, too.
+    """
+    tried = [trial for trial in further if trial.name not in fit.names]
+    by_log = zip(*(trial.changes for trial in tried), strict=True)
     products = fit.products_with([np.stack(of_log) for of_log in by_log])
-    promised = chain.from_iterable(
-        _promised(fit, new, products, k, most) for k in _kinds(fit, other)
-    )
+    promised = [
+        promise
+        for groups in _groups(fit, more_groups)
+        for promise in _promised(fit, tried, products, groups, most)
+    ]
     best: dict[object, Promise] = {}
-    for one in sorted(promised, key=lambda p: -p.log_evidence):
-        best.setdefault(one.hypothesis.key, one)
+    for promise in sorted(promised, key=lambda p: -p.log_evidence):
+        best.setdefault(promise.hypothesis.key, promise)
     best.pop(fit.hypothesis.key, None)
     return list(best.values())
 
 
 def _promised(
-    fit: Fit, new: list[Trial], products: list[Products], kinds: frozenset[str], most: int
+    fit: Fit, tried: list[Trial], products: list[Products], groups: frozenset[str], most: int
 ) -> Iterator[Promise]:
-    """What logs that differ in some ``kinds`` promise, alone and with new effects."""
-    model = fit.marginal(products, sizes(kinds))
-    alone, names = model.evidence(), np.array([trial.name for trial in new])
-    for subset in (_Subset((), (), 0.0), *_ranked(*model.beyond(), names, most)):
-        some = [new[k] for k in subset.columns]
-        hypothesis = Hypothesis((*fit.names, *(trial.name for trial in some)), kinds)
-        begun = [trial.point.copy() for trial in some]
-        for point, amount in zip(begun, subset.amounts, strict=True):
-            point[0] *= min(max(amount, 0.3), 4.0)
-        state = replace(fit.state, x=np.concatenate([fit.state.x, *begun]))
+    """Hypotheses in which logs differ in ``groups``, without and with further effects."""
+    model = fit.marginal(products, random_sigmas(groups))
+    without, names = model.evidence(), np.array([trial.name for trial in tried])
+    for subset in (_Subset((), (), 0.0), *_ranked(*model.eliminated(), names, most)):
+        chosen = [tried[k] for k in subset.columns]
+        hypothesis = Hypothesis((*fit.names, *(trial.name for trial in chosen)), groups)
+        points = [trial.point.copy() for trial in chosen]
+        for point, amount in zip(points, subset.amounts, strict=True):
+            point[0] *= min(max(amount, _LEAST), _MOST)
+        state = replace(fit.state, x=np.concatenate([fit.state.x, *points]))
         gain = subset.log_gain - hypothesis.price(len(products))
-        yield Promise(hypothesis, alone + gain, state)
+        yield Promise(hypothesis, without + gain, state)
 
 
-def _kinds(fit: Fit, other: bool) -> Iterator[frozenset[str]]:
-    """The kinds of ``fit``, with any ``other`` ones; discs may begin unlike where pads fade."""
-    kinds = fit.hypothesis.kinds
-    more = [k for k in KINDS if other and k not in kinds and (k != "heat" or FADE in fit.names)]
-    every = chain.from_iterable(combinations(more, k) for k in range(len(more) + 1))
-    return (kinds | frozenset(some) for some in every)
+def _groups(fit: Fit, more_groups: bool) -> Iterator[frozenset[str]]:
+    """The groups of ``fit``, with any further ones; discs differ in heat only where pads fade."""
+    groups = fit.hypothesis.groups
+    further = [
+        group
+        for group in GROUPS
+        if more_groups and group not in groups and (group != "heat" or FADE in fit.names)
+    ]
+    subsets = chain.from_iterable(combinations(further, k) for k in range(len(further) + 1))
+    return (groups | frozenset(subset) for subset in subsets)
 
 
 @dataclass(frozen=True)
 class _Subset:
-    """``columns``, their ``amounts``, and what ln of the evidence gains but for their price."""
+    """Some ``columns``, their ``amounts``, and the gain of ln of the evidence before the price."""
 
     columns: tuple[int, ...]
     amounts: tuple[float, ...]
@@ -123,44 +140,50 @@ class _Subset:
 
 
 def _ranked(E: Array, g: Array, names: Names, most: int) -> list[_Subset]:
-    """Single columns, pairs and triples of other effects, the best of each names.
+    """Single columns, pairs and triples of different effects, the best columns of each names.
 
-    ``E`` (c, c) and ``g`` (c,) as of `Marginal.beyond`; ``names`` (c,) the effect of each
-    column. Amounts are positive: other signs are other columns.
+    ``E`` (c, c) and ``g`` (c,) are those of `Marginal.eliminated`, ``names`` (c,) the effects of
+    the columns. Amounts are positive: the other sign of an effect is another column.
     """
-    A, subsets = E + np.eye(g.size) / STRENGTH**2, list[_Subset]()
+    A = E + np.eye(g.size) / STRENGTH**2
+    subsets: list[_Subset] = []
     starts: list[tuple[int, ...]] = [()]
     for size in range(most):
+        wider = [subset for start in starts for subset in _extended(A, g, names, start)]
         best: dict[frozenset[str], _Subset] = {}
-        wider = (one for start in starts for one in _beside(A, g, names, start))
-        for one in sorted(wider, key=lambda one: -one.log_gain):
-            best.setdefault(frozenset(names[list(one.columns)]), one)
+        for subset in sorted(wider, key=lambda s: -s.log_gain):
+            best.setdefault(frozenset(names[list(subset.columns)]), subset)
         subsets += best.values()
-        starts = [one.columns for one in list(best.values())[:_WIDE]]
         if size == 0:
             starts = [(k,) for k in range(g.size)]
+        else:
+            starts = [subset.columns for subset in list(best.values())[:_WIDE]]
     return subsets
 
 
-def _beside(A: Array, g: Array, names: Names, columns: tuple[int, ...]) -> list[_Subset]:
-    """Some columns with one further of each name, where all amounts are positive."""
-    some = list(columns)
-    inside, d = A[np.ix_(some, some)], np.diag(A)
-    K = np.linalg.solve(inside, A[some])
-    remaining_square = d - np.sum(A[some] * K, axis=0)
-    use = (remaining_square > 1e-9 * d) & ~np.isin(names, names[some])
-    projected, remaining_square = g - g[some] @ K, np.where(use, remaining_square, 1.0)
-    last, alone = projected / remaining_square, np.linalg.solve(inside, g[some])
-    first = alone[:, None] - K * last
-    fall = g[some] @ alone + projected * last
-    determinant = np.linalg.slogdet(inside)[1] + np.log(remaining_square)
-    spent = (len(some) + 1) * math.log(STRENGTH)
-    good = use & (last > 0.0) & np.all(first > 0.0, axis=0)
-    gain = np.where(good, 0.5 * (fall - determinant) - spent, -np.inf)
+def _extended(A: Array, g: Array, names: Names, columns: tuple[int, ...]) -> list[_Subset]:
+    """Some columns with one further column, the best of each name, if all amounts are positive.
+
+    The amounts solve A x = g. The last one follows from a Schur complement, for all further columns
+    at once.
+    """
+    fixed = list(columns)
+    inside, d = A[np.ix_(fixed, fixed)], np.diag(A)
+    K = np.linalg.solve(inside, A[fixed])
+    schur = d - np.sum(A[fixed] * K, axis=0)
+    use = (schur > 1e-9 * d) & ~np.isin(names, names[fixed])
+    projected, schur = g - g[fixed] @ K, np.where(use, schur, 1.0)
+    last, alone = projected / schur, np.linalg.solve(inside, g[fixed])
+    others = alone[:, None] - K * last
+    fall = g[fixed] @ alone + projected * last
+    log_determinant = np.linalg.slogdet(inside)[1] + np.log(schur)
+    log_prior = (len(fixed) + 1) * math.log(STRENGTH)
+    good = use & (last > 0.0) & np.all(others > 0.0, axis=0)
+    gain = np.where(good, 0.5 * (fall - log_determinant) - log_prior, -np.inf)
     order = np.argsort(-gain)
     order = order[np.isfinite(gain[order])]
-    first_of_each = np.sort(np.unique(names[order], return_index=True)[1])
+    best_of_each_name = np.sort(np.unique(names[order], return_index=True)[1])
     return [
-        _Subset((*columns, k), (*first[:, k].tolist(), float(last[k])), float(gain[k]))
-        for k in order[first_of_each].tolist()
+        _Subset((*columns, k), (*others[:, k].tolist(), float(last[k])), float(gain[k]))
+        for k in order[best_of_each_name].tolist()
     ]

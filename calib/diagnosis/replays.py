@@ -1,9 +1,11 @@
-"""The hold-outs replayed open loop, and the gap that is left.
+"""The hold-outs replayed open loop, and the gap between replay and measurement.
+
+    fit --replayed--> replays with and without the effects --gap_of--> Gap before and after
 
 A replay uses the pressures, the first speed, logged torques of motors and temperatures of discs,
 and, for a ripple alone, the angle of the wheels. So an error of force, which an innovation of one
-step hides, adds up in v. The noise of a channel is estimated from its differences between samples.
-Its square is subtracted from the mean square of the gap, so that a perfect model has none.
+step hides, adds up in v. The variance of the noise of a channel is subtracted from the mean square
+of the difference, so that a perfect model has no gap.
 """
 
 from collections.abc import Sequence
@@ -17,8 +19,8 @@ from calib.base.names import WHEELS
 from calib.car.effects.effects import Effects
 from calib.car.model import Model
 from calib.car.vehicle import Vehicle
-from calib.diagnosis.explanation.base import OWN, SLOPE, ZERO, Base
-from calib.diagnosis.explanation.fit import Fit, random_columns_of, runs_of
+from calib.diagnosis.explanation.base import RANDOM_EFFECTS, SLOPE, ZERO, Base
+from calib.diagnosis.explanation.fit import Fit, random_derivatives, runs_of
 from calib.diagnosis.explanation.gauss_newton import fit_logs
 from calib.diagnosis.explanation.gaussian import Products
 from calib.diagnosis.explanation.hypothesis import State
@@ -33,24 +35,25 @@ _LONGEST = 0.2
 """Longest time [s] between two samples whose differences show noise: twice the correlation time of
 the noise that a road makes, and the car hardly moves in it."""
 _SLOW = 2.0**0.5
-"""Largest ratio of the noise to what neighbouring samples show of it: half of the variance of a
-road's noise is too slow for them. What is more is motion, such as a ripple."""
+"""Largest ratio of the noise to that from sample to sample: half of the variance of a road's noise
+is too slow for neighbouring samples. A larger ratio comes from motion, such as a ripple."""
 _STRAIGHT = 7.0
-"""Ratio of the noise that shows over up to four samples to that from sample to sample, above which
-a channel was interpolated by straight lines. A ripple of ten times the noise has a ratio of 4."""
+"""Ratio of the noise over up to four samples to that from sample to sample above which a channel
+was interpolated by straight lines. A ripple of ten times the noise has a ratio of 4."""
 _FLOOR = np.where(np.array(CHANNELS) == "v", 0.003, 0.005)
 """Least noise (6,) of the channels, in their units: a simulated log may have none, and no car is
 described to better than that."""
-_ROUNDS = 3  # in which hold-outs are placed, at most
-_NEAR = 1.0  # step, in standard deviations, after which a linear model holds
+_ROUNDS = 3  # most Gauss-Newton steps to the random effects of the hold-outs
+_NEAR = 1.0  # step [standard deviations] after which the linear model holds
 
 
 @dataclass(frozen=True, eq=False)
 class Gap:
     """Mean square of replay less measurement, over that of the noise, less 1, at least 0.
 
-    ``squares`` (2, logs, 6) before and after, without and with the effects, by log and channel [1];
-    ``logs`` their names; ``noise`` (6,) sd of the channels, in their units.
+    ``squares`` (2, logs, 6) are those before and after, that is without and with the effects, by
+    log and channel [1]; ``logs`` the names of the logs; ``noise`` (6,) the standard deviations of
+    the channels, in their units.
     """
 
     logs: tuple[str, ...]
@@ -58,38 +61,38 @@ class Gap:
     squares: Array
 
     def rms(self, log: str | None = None, channel: str | None = None) -> tuple[float, float]:
-        """Rms before and after in units of the noise, of one log or all, of one channel or all."""
-        rows = [i for i, one in enumerate(self.logs) if log in (None, one)]
-        columns = [j for j, one in enumerate(CHANNELS) if channel in (None, one)]
+        """Rms before and after in units of the noise, of one log or all, one channel or all."""
+        rows = [i for i, name in enumerate(self.logs) if log in (None, name)]
+        columns = [j for j, name in enumerate(CHANNELS) if channel in (None, name)]
         squares = self.squares[:, rows][:, :, columns]
         rms_before, rms_after = np.sqrt(np.mean(squares, axis=(1, 2))).tolist()
         return rms_before, rms_after
 
     @property
     def rms_before(self) -> float:
-        """Rms of all without the effects, in units of the noise."""
+        """Rms of all logs and channels without the effects, in units of the noise."""
         return self.rms()[0]
 
     @property
     def rms_after(self) -> float:
-        """Rms of all with the effects, in units of the noise."""
+        """Rms of all logs and channels with the effects, in units of the noise."""
         return self.rms()[1]
 
     @property
     def closed(self) -> float:
-        """Share of the gap that is closed [1], 0 where there is none."""
+        """Share of the gap that the effects close [1]; 0 where there is no gap."""
         rms_before, rms_after = self.rms()
         return 1.0 - rms_after / rms_before if rms_before > 0.0 else 0.0
 
 
 def gap_of(
-    base_replays: Sequence[Log], replays_after: Sequence[Log], measured: Sequence[Log]
+    replays_before: Sequence[Log], replays_after: Sequence[Log], measured: Sequence[Log]
 ) -> Gap:
-    """Compare replays with their logs, up to the end of the shorter: a replay ends at 1 m/s."""
+    """Compare replays with their logs up to the end of the shorter one: a replay ends at 1 m/s."""
     noise = noises_of(measured)
     squares = [
         [_squares_of(*pair) for pair in zip(replays, measured, strict=True)]
-        for replays in (base_replays, replays_after)
+        for replays in (replays_before, replays_after)
     ]
     beyond = np.maximum(np.array(squares) / noise**2 - 1.0, 0.0)
     return Gap(tuple(log.name for log in measured), noise, beyond)
@@ -102,25 +105,29 @@ def _squares_of(replay: Log, measured: Log) -> list[float]:
 
 
 def noises_of(measured: Sequence[Log]) -> Array:
-    """Sd of the noise of every channel (6,), that of the median log, at least `_FLOOR`."""
-    shown = [[_noise_of(log, channel) for channel in CHANNELS] for log in measured]
-    return np.maximum(np.median(shown, axis=0), _FLOOR)
+    """Standard deviation of the noise of every channel (6,): the median of the logs."""
+    by_log = [[_noise_of(log, channel) for channel in CHANNELS] for log in measured]
+    return np.maximum(np.median(by_log, axis=0), _FLOOR)
 
 
 def _noise_of(log: Log, channel: str) -> float:
-    """The largest noise in third differences over up to `_LONGEST`, which hold hardly any motion.
+    """Standard deviation of the noise of a channel, in its unit, from third differences.
 
-    A channel that runs in straight lines between its values shows little from sample to sample.
+    These hold hardly any motion. The noise is the largest one over up to `_LONGEST`, but at most
+    `_SLOW` times that from sample to sample. A channel that was interpolated by straight lines
+    shows little from sample to sample, and has no such limit.
     """
     fine = float(np.std(np.diff(log[channel], 3)) / np.sqrt(20.0))
-    over = [fine, *noise_over(log[channel], _LONGEST / log.sample_time)]
-    straight = channel in log.interpolated or max(over[:4]) > _STRAIGHT * fine
-    return max(over) if straight else min(max(over), _SLOW * fine)
+    by_lag = [fine, *noise_over(log[channel], _LONGEST / log.sample_time)]
+    largest = max(by_lag)
+    if channel in log.interpolated or max(by_lag[:4]) > _STRAIGHT * fine:
+        return largest
+    return min(largest, _SLOW * fine)
 
 
 @dataclass(frozen=True)
 class HoldOuts:
-    """The held-out ``logs``, and a ``problem`` of them with the noise of the calibration logs."""
+    """The held-out ``logs``, and their ``problem`` with the noise of the calibration logs."""
 
     logs: tuple[Log, ...]
     problem: Problem
@@ -128,34 +135,39 @@ class HoldOuts:
     def replays(self, fit: Fit, random_effects: Array) -> tuple[Log, ...]:
         """Replay every log open loop with its ``random_effects`` (runs, 8).
 
-        Ripples follow the measured angle of the wheels. Raises ModelError if it cannot be computed.
+        Ripples follow the measured angle of the wheels. Raises ModelError if a replay cannot be
+        computed.
         """
-        out = []
+        replays = []
         for log, run in zip(self.logs, runs_of(self.problem, random_effects), strict=True):
             slope, zero = run.random_effects[[SLOPE, ZERO]].tolist()
-            acts = {"road_grade": {"grade": slope, "felt": 1.0}} if slope else {}
-            acts |= {"accelerometer_bias": {"bias": zero}} if zero else {}
-            effects = fit.effects.with_(Effects(acts))
+            of_log: dict[str, dict[str, float]] = {}
+            if slope:
+                of_log["road_grade"] = {"grade": slope, "felt": 1.0}
+            if zero:
+                of_log["accelerometer_bias"] = {"bias": zero}
+            effects = fit.effects.with_(Effects(of_log))
             model = model_of(self.problem.vehicle, fit.base.of_log(run.random_effects), effects)
-            angles = {"f": run.angle_f, "r": run.angle_r}
-            angles = {axle: np.interp(log.time, run.time, x) for axle, x in angles.items()}
-            out.append(replay(model, log, wheel_angle=angles, start_heat=run.start_heat))
-        return tuple(out)
+            pairs = (("f", run.angle_f), ("r", run.angle_r))
+            angles = {axle: np.interp(log.time, run.time, angle) for axle, angle in pairs}
+            replays.append(replay(model, log, wheel_angle=angles, start_heat=run.start_heat))
+        return tuple(replays)
 
 
 def model_of(vehicle: Vehicle, base: Base, effects: Effects) -> Model:
-    """Base and effects as a model that can be simulated, without a departure of its tyre."""
+    """Base and effects as a model that can be simulated; its tyre has no discrepancy."""
     rolling = vehicle.with_radii(base.radius)
     return Model(rolling, base.pad_friction_f, base.pad_friction_r, base.tyre, effects)
 
 
 @dataclass(frozen=True)
 class Replayed:
-    """A ``fit``, and what a simulation makes of it, whose tyres cannot depart from their form.
+    """A ``fit``, and the replays of the hold-outs by it.
 
-    ``simulated`` is the same hypothesis without that departure, ``base`` the one without effects.
-    ``random_effects`` (runs, 8) of the hold-outs, ``logs`` their replays, ``base_logs`` those of
-    the base, with the same pads and roads, so that effects alone make the difference.
+    A simulation has no tyre discrepancies: ``simulated`` is the same hypothesis without them,
+    ``base`` the fit without effects. ``random_effects`` (runs, 8) are those of the hold-outs,
+    ``logs`` the replays, ``base_logs`` those of the base, with the same pads and roads, so that the
+    effects alone make the difference.
     """
 
     fit: Fit
@@ -167,12 +179,12 @@ class Replayed:
 
 
 def replayed(holdouts: HoldOuts, fit: Fit, base: Fit | None) -> Replayed:
-    """Fit again without a departure of the tyre, and replay the hold-outs with and without effects.
+    """Fit again without tyre discrepancies, and replay the hold-outs with and without effects.
 
-    ``base`` is the fit without effects, already without a departure; None if ``fit`` is the base.
+    ``base`` is the fit without effects, already without discrepancies; None if ``fit`` is the base.
     Raises ModelError.
     """
-    simulated = without_form(fit)
+    simulated = without_discrepancy(fit)
     random_effects = placed(holdouts.problem, simulated)
     logs = holdouts.replays(simulated, random_effects)
     if base is None:
@@ -181,25 +193,28 @@ def replayed(holdouts: HoldOuts, fit: Fit, base: Fit | None) -> Replayed:
     return Replayed(fit, simulated, base, random_effects, base_logs, logs)
 
 
-def without_form(fit: Fit) -> Fit:
-    """Fit the same hypothesis with tyres that do not depart from their form."""
-    state = replace(fit.state, form=np.zeros_like(fit.state.form))
+def without_discrepancy(fit: Fit) -> Fit:
+    """Fit the same hypothesis with tyres whose slip does not depart from its formula."""
+    state = replace(fit.state, discrepancy=np.zeros_like(fit.state.discrepancy))
     hypothesis = replace(fit.hypothesis, has_discrepancy=False)
     return fit_logs(fit.problem, hypothesis, state, fit.columns)
 
 
 def placed(holdouts: Problem, fit: Fit) -> Array:
-    """Random effects (runs, 8) fitted to each hold-out; those that no log may have stay 0."""
-    S = fit.hypothesis.sizes
-    random_effects, free = np.zeros((len(holdouts.runs), len(OWN))), np.flatnonzero(S)
+    """Fit the random effects (runs, 8) of each hold-out, all else as in ``fit``.
+
+    Those that no log may have stay 0.
+    """
+    S = fit.hypothesis.sigmas
+    places = np.flatnonzero(S)
+    random_effects = np.zeros((len(holdouts.runs), len(RANDOM_EFFECTS)))
     for _ in range(_ROUNDS):
-        state = State(fit.state.x, fit.state.form, random_effects)
-        placed_fit = replace(fit, problem=holdouts).moved(state)
-        columns, previous = random_columns_of(placed_fit, free.tolist()), random_effects.copy()
-        for one, N, states in zip(placed_fit.innovations, columns, random_effects, strict=True):
-            products = Products.from_columns(np.zeros((0, one.size)), N, one, states[free])
-            step = products.reduced(S[free])[1][:, -1]
-            states[free] -= step
+        state = State(fit.state.x, fit.state.discrepancy, random_effects)
+        present = replace(fit, problem=holdouts).at_state(state)
+        columns, previous = random_derivatives(present, places.tolist()), random_effects.copy()
+        for r, N, u in zip(present.innovations, columns, random_effects, strict=True):
+            products = Products.from_columns(np.zeros((0, r.size)), N, r, u[places])
+            u[places] -= products.marginalised(S[places])[1][:, -1]
         if np.all(np.abs(random_effects - previous) <= _NEAR * S):
             break
     return random_effects

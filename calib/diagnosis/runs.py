@@ -1,9 +1,9 @@
-"""The logs of a diagnosis: judged and refused or warned of, their sides made even.
+"""Check the logs of a diagnosis before and after the search, and make their sides even.
 
-A mistake made while logs are recorded or named looks like an effect that nobody knows. What `check`
-and `fit` refuse is refused here, too, in their words; besides, what only shows between logs: a
-hold-out that is a copy, a pressure that is not that of its run, and wheel speeds of front and rear
-axle that are swapped.
+A mistake made while logs are recorded or named looks like an effect that nobody knows. Logs that
+`check` and `fit` refuse are refused here, too, in the same words. So are mistakes that only show
+between logs: a hold-out that is a copy, a pressure that is not that of its run, and wheel speeds of
+front and rear axle that are swapped.
 """
 
 from collections.abc import Sequence
@@ -11,12 +11,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from calib.base.arrays import Mask
 from calib.base.errors import LogError
 from calib.base.names import AXLES
 from calib.base.warning import REFUSE, PlausibilityWarning
 from calib.car.vehicle import Vehicle
 from calib.diagnosis.explanation.predict import run_of
-from calib.diagnosis.explanation.problem import Problem, turned
+from calib.diagnosis.explanation.problem import Problem, with_ripple_phase
 from calib.diagnosis.fits import Fits
 from calib.diagnosis.rank import promises, trials
 from calib.diagnosis.search import Search
@@ -29,28 +30,28 @@ from calib.run.run import Run
 from calib.run.same_run import refuse_copies
 
 _LEVEL = "level_changed"
-_SWAPPED = "axles_swapped"  # eta goes the wrong way
+_SWAPPED = "axles_swapped"  # eta changes in the wrong direction
 _SEARCHED = (
     *("a_x_scale", "a_x_against_v", "a_x_offset", "unexplained_drag", "unexplained_braking_force"),
     *("braking_force_missing", "pressure_lag", "force_step", _SWAPPED, _LEVEL),
 )
-"""Codes of what effects, pads or roads make as well as mistakes do. Where the diagnosis explains
-the logs, it has named their cause, and nothing is warned of."""
+"""Codes of warnings that effects, pads or roads cause as well as mistakes do. A diagnosis that
+explains the logs has named their cause, so these warnings are not given."""
 
-_FITTED = 3  # fits of logs with exchanged axles
+_FITTED = 3  # number of promises that are fitted to logs with exchanged axles
 
-# Largest difference of the radii of both sides [1] that is taken out of the wheel speeds.
-LARGEST = 5e-3  # one new tyre makes that
-USUAL = 1e-3  # tyres of one age do, where a seized brake (0.001 to 0.008) may be hidden
+LARGEST, USUAL = 5e-3, 1e-3
+"""Largest difference of left and right radii [1] that is taken out of the wheel speeds: one new
+tyre makes 5e-3, tyres of one age 1e-3. A brake that drags on one wheel looks like 1e-3 to 8e-3."""
 
 
 def checked(
     vehicle: Vehicle, calibration: Sequence[Log], holdout: Sequence[Log]
 ) -> tuple[PlausibilityWarning, ...]:
-    """Warnings on every log, in their order, also of what the search may explain.
+    """Return the warnings on every log, in their order, also those that the search may explain.
 
-    Raises LogError for a mistake that makes a search meaningless, and ModelError when a known
-    effect cannot be taken out of a log.
+    Raises LogError for a mistake that makes a search meaningless, and ModelError if a known effect
+    cannot be taken out of a log.
     """
     if not holdout:
         raise LogError("no hold-out log", expected="--holdout LOG...", do="keep two stops back")
@@ -69,38 +70,38 @@ def checked(
     for run in runs:
         require(run, DIAGNOSE)
     evidence = _evidence_of(runs)
-    for one in evidence:
-        if refused := warnings_on(one, DIAGNOSE, (REFUSE,)):
-            raise LogError(refused[0].text, where=one.run.log.source)
-    return tuple(warning for one in evidence for warning in warnings_on(one, DIAGNOSE))
+    for of_run in evidence:
+        refused = warnings_on(of_run, DIAGNOSE, (REFUSE,))
+        if refused:
+            raise LogError(refused[0].text, where=of_run.run.log.source)
+    return tuple(warning for of_run in evidence for warning in warnings_on(of_run, DIAGNOSE))
 
 
 def unexplained_warnings(
     warnings: Sequence[PlausibilityWarning], *, unexplained: bool, grouped: bool
 ) -> tuple[PlausibilityWarning, ...]:
-    """The warnings that the result does not explain.
+    """Return the warnings that the result does not explain.
 
-    ``unexplained`` whether something significant is left; ``grouped`` whether single
-    logs have pads or a road of their own in the result; a wrong pressure of a log looks like that.
+    ``unexplained`` says whether something significant is left; ``grouped`` whether logs differ in
+    pads or roads in the result: a wrong pressure of a log looks like that.
     """
-    explained = () if unexplained else tuple(c for c in _SEARCHED if c != _LEVEL or not grouped)
+    if unexplained:
+        return tuple(warnings)
+    explained = [code for code in _SEARCHED if code != _LEVEL or not grouped]
     return tuple(warning for warning in warnings if warning.code not in explained)
 
 
 def _evidence_of(runs: Sequence[Run]) -> list[Evidence]:
-    """The runs, with drag and rolling resistance of those without braking."""
+    """Evidence of the runs, with the drag and rolling resistance of the runs without braking."""
     coasts = (run for run in runs if not run.events)
     resistance = identify_resistance(runs[0].car, ((run.blocks, run.noise.z) for run in coasts))
     responses = [run.response(resistance.effects) for run in runs]
-    return [
-        Evidence(
-            run,
-            run.accelerometer(resistance),
-            response,
-            levels=[one.level for one in (*responses[:i], *responses[i + 1 :]) if one],
-        )
-        for i, (run, response) in enumerate(zip(runs, responses, strict=True))
-    ]
+    evidence = []
+    for i, (run, response) in enumerate(zip(runs, responses, strict=True)):
+        others = [*responses[:i], *responses[i + 1 :]]
+        levels = [other.level for other in others if other is not None]
+        evidence.append(Evidence(run, run.accelerometer(resistance), response, levels=levels))
+    return evidence
 
 
 def require_right_axles(
@@ -108,63 +109,67 @@ def require_right_axles(
 ) -> None:
     """Raise LogError if front and rear wheel speeds are swapped in some or all ``logs``.
 
-    Some are those whose eta goes the wrong way by the ``warnings``; without any, nothing is tried.
-    Where the rear wheels slip more, axles are swapped, or something brakes the rear wheels, such as
-    a motor. The more probable one is believed: the logs as given, by what a search found, or with
-    their axles exchanged, by the best of a few effects of the first ranking, or of none.
+    Suspected are the logs whose eta changes in the wrong direction by the ``warnings``. If the rear
+    wheels slip more, axles are swapped, or something brakes the rear wheels, such as a motor. The
+    more probable case is believed: the logs as given, with the best fit of the ``search``, or with
+    the axles exchanged in the suspected or in all logs, with the best of a few fits.
     """
-    swapped = {one.log: one for one in warnings if one.code == _SWAPPED}
+    swapped = {warning.log: warning for warning in warnings if warning.code == _SWAPPED}
     if not swapped:
         return
     every = [_exchanged(log) for log in logs]
-    some = [b if b.name in swapped else a for a, b in zip(logs, every, strict=True)]
+    suspected = [_exchanged(log) if log.name in swapped else log for log in logs]
     best = search.fits.value(search.best)
-    if any(_log_evidence(search.problem, others) > best for others in (some, every)):
+    if any(_log_evidence(search.problem, others) > best for others in (suspected, every)):
         sources = [log.source for log in logs if log.name in swapped]
         raise LogError(next(iter(swapped.values())).text, where=", ".join(sources))
 
 
 def _log_evidence(recorded: Problem, logs: Sequence[Log]) -> float:
     """ln of the evidence of other logs with the same noise, by the best of a few fits."""
-    runs = turned(recorded.vehicle, [run_of(log) for log in logs], recorded.noise)
+    runs = with_ripple_phase(recorded.vehicle, [run_of(log) for log in logs], recorded.noise)
     problem = replace(recorded, runs=runs)
     fits = Fits(problem, problem)
     fits.best_of(promises(fits.base, trials(fits.base))[:_FITTED], fits.base)
-    return max(one.log_evidence for one in fits.fitted.values())
+    return max(fit.log_evidence for fit in fits.fitted.values())
 
 
 def _exchanged(log: Log) -> Log:
-    """The log with the wheel speeds of the other axle."""
-    other = {f"omega_{a}{side}": log[f"omega_{b}{side}"] for a, b in ("fr", "rf") for side in "lr"}
-    return replace(log, channels=log.channels | other)
+    """Return the log with the wheel speeds of front and rear axle exchanged."""
+    pairs = (("fl", "rl"), ("fr", "rr"), ("rl", "fl"), ("rr", "fr"))
+    exchanged = {f"omega_{wheel}": log[f"omega_{other}"] for wheel, other in pairs}
+    return replace(log, channels=log.channels | exchanged)
 
 
 def with_even_sides(logs: Sequence[Log], largest: float) -> tuple[list[Log], float]:
-    """The logs with left and right wheel speeds of each axle equal on the mean while unbraked.
+    """Return the logs with equal mean left and right wheel speeds of each axle while unbraked.
 
-    Radii are of the day, and differ by ten times what a sensor of speed shows over a log, which
-    would hide every other effect. One ratio for each axle from all logs, so they must be of one car
-    with one set of tyres. An axle stays as it is where its sides differ by more than ``largest``
-    [1]: a brake that drags on one wheel looks alike. Radii of the axles are not touched: their
-    mismatch is an effect. Also returns the largest difference that was taken out [1].
+    Radii differ from day to day, by ten times what a speed sensor shows over a log, which would
+    hide every other effect. There is one ratio for each axle from all logs, so these must be of one
+    car with one set of tyres. An axle stays as it is if its sides differ by more than ``largest``
+    [1]: a brake that drags on one wheel looks alike. Radii of the axles are not changed: their
+    mismatch is an effect. Also return the largest difference that was taken out [1].
     """
     rolling = [driving_record(log).unbraked for log in logs]
     even, taken_out = list(logs), 0.0
     for axle in AXLES:
-        left, right = (
-            sum(
-                log.sample_time * float(np.sum(log[f"omega_{axle}{side}"][free]))
-                for log, free in zip(logs, rolling, strict=True)
-            )
-            for side in "lr"
-        )
+        left, right = (_angle(logs, rolling, f"omega_{axle}{side}") for side in "lr")
         if 0.0 < abs(right - left) <= largest * left:
             taken_out = max(taken_out, abs(right / left - 1.0))
             even = [_scaled(log, axle, np.sqrt(right / left)) for log in even]
     return even, taken_out
 
 
+def _angle(logs: Sequence[Log], rolling: Sequence[Mask], channel: str) -> float:
+    """Angle that a wheel turns while ``rolling``, in all logs [rad]."""
+    return sum(
+        log.sample_time * float(np.sum(log[channel][unbraked]))
+        for log, unbraked in zip(logs, rolling, strict=True)
+    )
+
+
 def _scaled(log: Log, axle: str, factor: float) -> Log:
+    """Return the log with the left wheel speed times ``factor``, and the right one over it."""
     left, right = f"omega_{axle}l", f"omega_{axle}r"
     even = {left: log[left] * factor, right: log[right] / factor}
     return replace(log, channels=log.channels | even)

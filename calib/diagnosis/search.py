@@ -1,9 +1,11 @@
-"""The search: moves that promise more, fits of the best of them, and hold-outs that judge.
+"""Search for the effects that explain the logs, step by step, judged by the hold-outs.
 
-one effect more --> others in the place of one --> logs that differ in more kinds
+    one effect more --> other effects in the place of one --> logs that differ in more groups
 
-The first move that ends surely more probable, on the hold-outs, too, is made, and all begins anew,
-until no move is left.
+These are the moves. The linear model ranks what each move may give, and the best are fitted. The
+first fit that is surely more probable, on the hold-outs, too, is accepted, and the moves begin
+anew, until none is left. A promise is an evidence by the linear model, a gain a difference of ln of
+the evidence.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -18,44 +20,48 @@ from calib.diagnosis.explanation.channels import ChannelNoise
 from calib.diagnosis.explanation.fit import Fit
 from calib.diagnosis.explanation.gauss_newton import fit_logs
 from calib.diagnosis.explanation.predict import run_of
-from calib.diagnosis.explanation.problem import Problem, turned, unbraked_noise
+from calib.diagnosis.explanation.problem import Problem, unbraked_noise, with_ripple_phase
 from calib.diagnosis.fits import Fits
 from calib.diagnosis.rank import Trial, promises, trials
 from calib.diagnosis.replays import Gap, HoldOuts, Replayed, gap_of, replayed
 from calib.diagnosis.terms import Ranked, ranked_terms
 from calib.logs.log import Log
 
-SURE = 10.0  # ln of the odds, of all logs together, from which more is believed, or ruled out
+SURE = 10.0  # ln of the odds, of all logs together, from which something is believed or ruled out
 
-_SHARE = 0.05  # share of all that is left which a cause of it takes at least
+_SHARE = 0.05  # share of the excess of the squares that a cause of it takes at least
 _WIDER = 0.25  # share by which a fit may widen the gap on the way to a better one
-_WITHIN = 0.5  # what it may widen it by at least, in units of the noise
-_FRESH = 8  # further effects tried anew beside a fit
+_WITHIN = 0.5  # widening of the gap that is allowed at least, in units of the noise
+_FRESH = 8  # further effects that are tried anew beside a fit
 _MOST = 12  # moves at most
 _QUIETER = 0.9  # share of a channel's noise below which a fit leaves it quieter
 _WRONG = 0.5  # share of a gain by which a linear model is wrong at most, of a motor's parameters
 
 
 def run_search(problem: Problem, holdout: Sequence[Log]) -> "Search":
-    """A search in a problem, judged by the logs that are held out.
+    """Search in a problem, judged by the logs that are held out.
 
-    It begins anew with the noise that a fit leaves where that is quieter: an effect that
-    acts in unbraked parts, such as a tone ring that runs out, was part of the noise.
+    The search begins anew if its best fit leaves less noise: an effect that acts in unbraked parts,
+    such as a tone ring that runs out, was part of the noise.
     """
     while True:
-        runs = turned(problem.vehicle, [run_of(log) for log in holdout], problem.noise)
+        runs = with_ripple_phase(problem.vehicle, [run_of(log) for log in holdout], problem.noise)
         search = Search(problem, HoldOuts(tuple(holdout), replace(problem, runs=runs)))
         search.run()
-        if (noise := search.quieter()) is None:
+        noise = search.quieter()
+        if noise is None:
             return search
         problem = replace(problem, noise=noise)
 
 
 @dataclass
 class Search:
-    """The course of a search; ``fits`` all that was fitted; ``first`` and ``further`` effects at
-    the base and at the best fit; ``steps`` the names of each fit that was the best one in turn;
-    ``withdrawn`` what the hold-outs speak against, by keys.
+    """The course of a search from ``base``, the fit without effects, to the ``best`` fit.
+
+    ``fits`` has all that was fitted; ``first`` and ``further`` are trials of effects at the base
+    and at the best fit; ``rivals`` are fits that no log rules out. ``steps`` are the names of each
+    fit that was the best one in turn, ``accepted`` their replays; ``withdrawn`` the names of fits
+    that the hold-outs speak against, by keys.
     """
 
     problem: Problem
@@ -71,25 +77,27 @@ class Search:
     withdrawn: dict[object, tuple[str, ...]] = field(default_factory=dict)
 
     def run(self) -> None:
-        """Find the best fit."""
+        """Find the best fit and its rivals."""
         self.problem.tell("fitting the model without effects", 0, 1)
         self.fits = Fits(self.problem, self.holdouts.problem)
         self.base = self.best = self.fits.base
         self.further = self.first = trials(self.base)
-        moves = (self.beside, self.exchanged, partial(self.beside, other=True))
+        moves = (self.one_more, self.exchanges, partial(self.one_more, more_groups=True))
         for _ in range(_MOST):
-            better = (e for move in moves for e in self.more_probable(move()))
-            if not any(map(self.accept, better)) or self.no_effect() or self.quieter():
+            # lazy: a move is made only if none before it gave a fit that is accepted
+            better = (fit for move in moves for fit in self.more_probable(move()))
+            if not any(map(self.accept, better)) or self.is_no_effect() or self.quieter():
                 break
         self.rivals = self._rivals()
         likeliest = max((self.best, *self.rivals), key=self._odds)
         if likeliest is not self.best and self.accept(likeliest, least=-SURE):
             self.rivals = self._rivals()
-        fit = self._with_alike()
-        self.base, self.best = self.base if fit.names else fit, fit
+        self.best = self._with_alike()
+        if not self.best.names:
+            self.base = self.best
 
     def quieter(self) -> ChannelNoise | None:
-        """The noise that effects leave in the unbraked parts, if a channel has less with them."""
+        """The noise that the best fit leaves in unbraked parts if a channel is quieter, or None."""
         fit, problem = self.best, self.problem
         if not fit.names:
             return None
@@ -103,26 +111,29 @@ class Search:
 
     @cached_property
     def base_replayed(self) -> Replayed:
-        """The hold-outs without effects, on the pads and roads that fit those best."""
+        """The hold-outs without effects, on the pads and roads that then fit best."""
         return self.replayed(self.base)
 
     def gap(self, after: Replayed) -> Gap:
-        """The gap on the hold-outs without effects and with them, each on its own pads and roads.
+        """The gap on the hold-outs without effects and with them.
 
-        What is wrong may have far pads, with which anything would shrink the gap.
+        Each is with the pads and roads that fit best: with those of a wrong fit, which may be far
+        off, any effect would shrink the gap.
         """
         return gap_of(self.base_replayed.logs, after.logs, self.holdouts.logs)
 
     def widens(self, after: Replayed) -> bool:
-        """Whether effects widen the gap of the replays, beyond what noise does."""
+        """Whether effects widen the gap of the replays by more than noise does."""
         gap = self.gap(after)
         return gap.rms_after > gap.rms_before + max(_WIDER * gap.rms_before, _WITHIN)
 
     def accept(self, new: Fit, least: float = SURE) -> bool:
-        """Go on from what is better by ``least``, and widens no gap far."""
-        more, holdout_gain = self._gained(new)
+        """Make a fit the best one if it gains more than ``least`` and does not widen the gap far.
+
+        Return whether it was accepted. A better fit of the best hypothesis need only gain.
+        """
         same = new.hypothesis.key == self.best.hypothesis.key
-        if more + holdout_gain <= (0.0 if same else least):
+        if sum(self._gains(new)) <= (0.0 if same else least):
             return False
         try:
             after = self.replayed(new)
@@ -139,78 +150,90 @@ class Search:
         return True
 
     def _trials(self, fit: Fit) -> list[Trial]:
-        """Further effects beside a fit: what promises most is tried anew, others as at the base."""
-        mostly = (p.hypothesis.names[-1] for p in promises(fit, self.first, 1))
-        tops = [*dict.fromkeys(mostly)][: _FRESH if fit.names else 0]
-        return [*trials(fit, tops), *(one for one in self.first if one.name not in tops)]
+        """Trials of effects beside a fit: the most promising ones anew, others as at the base."""
+        if not fit.names:
+            return [*self.first]
+        by_promise = dict.fromkeys(p.hypothesis.names[-1] for p in promises(fit, self.first, 1))
+        anew = [*by_promise][:_FRESH]
+        return [*trials(fit, anew), *(trial for trial in self.first if trial.name not in anew)]
 
-    def beside(self, *, other: bool = False) -> list[Fit]:
-        """One effect more; with ``other`` logs may differ in further kinds besides.
+    def one_more(self, *, more_groups: bool = False) -> list[Fit]:
+        """Fit one effect more; with ``more_groups`` logs may differ in further groups, too.
 
-        What is near the best promise, for all that a linear model can be wrong.
+        Three promises in the present groups are fitted, and one in more groups: those near the best
+        promise, by as much as a linear model can be wrong.
         """
         best, tops = self.best, []
-        promised = promises(best, self.further, 1, other)
-        for kinds in (False, True):
-            those = [p for p in promised if (p.hypothesis.kinds > best.hypothesis.kinds) == kinds]
-            most = max((p.log_evidence - best.log_evidence for p in those), default=0.0)
+        promised = promises(best, self.further, 1, more_groups)
+        for wider, count in ((False, 3), (True, 1)):
+            some = [p for p in promised if (p.hypothesis.groups > best.hypothesis.groups) == wider]
+            most = max((p.log_evidence - best.log_evidence for p in some), default=0.0)
             least = best.log_evidence + max(5.0, (1.0 - _WRONG) * most - 5.0)
-            tops += [p for p in those if p.log_evidence > least][: 1 if kinds else 3]
+            tops += [p for p in some if p.log_evidence > least][:count]
         return self.fits.best_of(tops, best, best.log_evidence - 2.0 * SURE)
 
-    def more_probable(self, news: Iterable[Fit]) -> Iterator[Fit]:
-        """Those that are surely more probable than the best, by evidence."""
-        best = self.best
-        # what takes a twentieth of all that is left or less is no cause of it
-        excess = best.reduced - 1.0 - 3.0 * best.scatter
-        worth = max(SURE, _SHARE * 0.5 * excess * best.count)
-        more = {e.hypothesis.key: e for e in news if e.log_evidence > best.log_evidence}
-        for key, e in sorted(more.items(), key=lambda one: -one[1].log_evidence)[:3]:
-            if key == best.hypothesis.key:
-                if e.log_evidence > best.log_evidence + 2.0:
-                    yield e
-            elif key not in self.withdrawn:
-                gain, holdout_gain = self._gained(e)
-                if holdout_gain > -SURE and gain + holdout_gain > worth:
-                    yield e
-                elif gain > SURE:
-                    self.withdrawn[key] = e.names
+    def more_probable(self, fits: Iterable[Fit]) -> Iterator[Fit]:
+        """Yield fits that are surely more probable than the best one, by evidence.
 
-    def _gained(self, new: Fit) -> tuple[float, float]:
-        """ln of the odds against the best by the logs that are searched, and by those held out."""
+        A cause takes more than a twentieth of all that is left.
+        """
+        best = self.best
+        excess = best.mean_square - 1.0 - 3.0 * best.scatter
+        least = max(SURE, _SHARE * 0.5 * excess * best.count)
+        better = {f.hypothesis.key: f for f in fits if f.log_evidence > best.log_evidence}
+        for fit in sorted(better.values(), key=lambda f: -f.log_evidence)[:3]:
+            key = fit.hypothesis.key
+            if key == best.hypothesis.key:
+                if fit.log_evidence > best.log_evidence + 2.0:
+                    yield fit
+            elif key not in self.withdrawn:
+                gain, holdout_gain = self._gains(fit)
+                if holdout_gain > -SURE and gain + holdout_gain > least:
+                    yield fit
+                elif gain > SURE:
+                    self.withdrawn[key] = fit.names
+
+    def _gains(self, new: Fit) -> tuple[float, float]:
+        """ln of the odds against the best fit, by the logs of the problem and by the hold-outs."""
         holdout_gain = self.fits.density(new) - self.fits.density(self.best)
         return float(new.log_evidence - self.best.log_evidence), float(holdout_gain)
 
-    def exchanged(self) -> list[Fit]:
-        """One or two effects, or other kinds, in the place of a part of the best fit.
+    def exchanges(self) -> list[Fit]:
+        """Fit one or two effects, or further groups, in the place of a part of the best fit.
 
-        Or two where it has none. A part may have stood for two. Without it a linear model may be
-        far wrong, so the best two are tried whatever they promise; two effects must promise more.
+        A best fit without effects gets one or two. The part may have stood for two effects. Without
+        the part a linear model may be far wrong, so the best two single effects are fitted whatever
+        they promise. A pair must promise more than the best fit and lack the part.
         """
-        best, news = self.best, []
-        parts, other = len(best.names), bool(best.hypothesis.kinds)
-        for e in self.fits.fewer(best, best.names) or [best]:
-            promised = promises(e, self._trials(e), 1 if other else 2, other)
-            single = [p for p in promised if len(p.hypothesis.names) <= parts]
-            wider = (p for p in promised if len(p.hypothesis.names) > parts)
-            out = best.hypothesis.parts - e.hypothesis.parts
-            others = (p for p in wider if not out or not out <= p.hypothesis.parts)
-            two = [p for p in others if p.log_evidence > best.log_evidence + SURE]
-            news += self.fits.best_of([*single[:2], *two[:1]], e, best.log_evidence - 2.0 * SURE)
-        return news
+        best, fits = self.best, []
+        count, more_groups = len(best.names), bool(best.hypothesis.groups)
+        for fit in self.fits.fewer(best, best.names) or [best]:
+            promised = promises(fit, self._trials(fit), 1 if more_groups else 2, more_groups)
+            part = best.hypothesis.parts - fit.hypothesis.parts
+            single = [p for p in promised if len(p.hypothesis.names) <= count]
+            pairs = [
+                p
+                for p in promised
+                if len(p.hypothesis.names) > count
+                and not (part and part <= p.hypothesis.parts)
+                and p.log_evidence > best.log_evidence + SURE
+            ]
+            tops = [*single[:2], *pairs[:1]]
+            fits += self.fits.best_of(tops, fit, best.log_evidence - 2.0 * SURE)
+        return fits
 
     @cached_property
     def terms(self) -> list[Ranked]:
-        """Empirical terms in the place of any effect."""
+        """Empirical terms in the place of any effect, ranked."""
         return ranked_terms(self.base)
 
-    def no_effect(self) -> bool:
-        """Whether a term alone promises more than the best fit, and what may follow it.
+    def is_no_effect(self) -> bool:
+        """Whether a term alone promises more than the best fit and all moves from there.
 
-        With any further effects, and logs that differ in any kinds.
+        The moves are further effects, and logs that differ in further groups.
         """
         best = self.best
-        is_excess = best.reduced > 1.01 + 3.0 * best.scatter or best.random_effects_excess > 5.0
+        is_excess = best.mean_square > 1.01 + 3.0 * best.scatter or best.random_effects_excess > 5.0
         if not (best.names and is_excess):
             return False
         by_term = self.base.log_evidence + self.terms[0].log_gain - SURE
@@ -218,31 +241,34 @@ class Search:
             return False
         others = [
             *promises(best, self.further),
-            *promises(best, self.further, 1, other=True),
+            *promises(best, self.further, 1, more_groups=True),
             *promises(self.base, self.first),
         ]
         return by_term > max(p.log_evidence for p in others)
 
     def _odds(self, fit: Fit) -> float:
-        """ln of the odds between rivals: what every car has comes before what only some have."""
-        return self.fits.value(fit) + fit.hypothesis.expected
+        """ln of the odds between rivals, at which effects that every car has cost no price."""
+        return self.fits.value(fit) + fit.hypothesis.price_of_usual
 
     def _rivals(self) -> tuple[Fit, ...]:
-        """Fits of no more parameters that no log, searched or held out, rules out."""
-        best, value, out = self.best, self.fits.value, []
+        """Fits with as many parameters at most that no log rules out, and with other effects."""
+        best, value, rivals = self.best, self.fits.value, []
         most, least = value(best), best.log_evidence - 2.0 * SURE
-        for e in list(self.fits.fitted.values()):
-            more = e.state.x.size > best.state.x.size
-            if set(e.names) <= set(best.names) or more or e.log_evidence < least:
+        for fit in list(self.fits.fitted.values()):
+            is_part = set(fit.names) <= set(best.names)
+            is_larger = fit.state.x.size > best.state.x.size
+            if is_part or is_larger or fit.log_evidence < least:
                 continue
-            if value(e) > most - SURE:
-                out.append(e)
-        return tuple(sorted(out, key=lambda e: -value(e)))
+            if value(fit) > most - SURE:
+                rivals.append(fit)
+        return tuple(sorted(rivals, key=lambda fit: -value(fit)))
 
     def _with_alike(self) -> Fit:
-        """The best one with logs alike in what they usually differ in, where that is likelier."""
+        """The best fit, with logs alike in `SCATTERED` groups if that is more probable."""
         fit = self.best
-        some = (frozenset(one) for one in ((), SCATTERED, *((kind,) for kind in SCATTERED)))
-        options = [replace(fit.hypothesis, alike=alike - fit.hypothesis.kinds) for alike in some]
-        likeliest = max(options, key=lambda one: fit.marginal(sizes=one.sizes).evidence())
+        subsets = (frozenset(names) for names in ((), SCATTERED, *((x,) for x in SCATTERED)))
+        options = [
+            replace(fit.hypothesis, alike=alike - fit.hypothesis.groups) for alike in subsets
+        ]
+        likeliest = max(options, key=lambda option: fit.marginal(sigmas=option.sigmas).evidence())
         return fit_logs(fit.problem, likeliest, fit.state, fit.columns)

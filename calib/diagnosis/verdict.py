@@ -1,15 +1,18 @@
-"""From the search to a verdict: what is named, what is as likely, and whether something is left.
+"""From the search to a verdict: effects that are named, rivals, and whether something is left.
 
     best fit --> replays of the hold-outs --> anything left? --> more likely by a term?
                                                         no: named          yes: unknown
 
-Something is left where an empirical term is surely more probable, where the innovations have far
-more than noise, or where the replays are far off. It is no known effect where a term alone is
-surely more probable than what is named, or where that closes too little of the gap. What is left is
-told by where it acts, on what it depends, and how much of it a term follows. A term cannot follow
-what goes with the angle of the wheels, which start at another angle in every run, nor what swings
-with a frequency of its own after every application, as liquid in a tank or a body on its springs
-does. It shows a brake torque that something holds, though not what does.
+Something is left if an empirical term is surely more probable, if the innovations have far more
+than noise, or if the replays are far off. It is no known effect if a term alone is surely more
+probable than the named effects, or if these close too little of the gap. `unexplained_of` describes
+what is left: the place where it acts, the variable on which it depends, and the share of it that a
+term explains. A term cannot follow what depends on the angle of the wheels, since these start at
+another angle in every run. Nor can it follow what swings with a frequency of its own after every
+application, as liquid in a tank or a body on its springs does. A term also shows a brake torque
+that something holds, though not what holds it.
+
+The excess is what the sum of squares of the innovations has beyond noise.
 """
 
 from collections.abc import Sequence
@@ -30,38 +33,37 @@ from calib.diagnosis.terms import PLAIN, Ranked, ranked_terms, with_terms
 
 NO_GAP, NAMED, AMBIGUOUS, UNKNOWN = "no_gap", "named", "ambiguous", "unknown"
 
-_STRANGE = 8.0  # scatters of the mean squared innovation from which a cause is sure
-_CLOSED = 0.75  # share of the gap and of the excess that effects must close which leave something
+_STRANGE = 8.0  # scatters of the mean squared innovation from which something is surely left
+_CLOSED = 0.75  # share of gap and excess that effects must close if they leave something
 _FAR = 3.0
-"""Gap of the replays, in units of the noise, from which something is left beside what is named,
-whatever innovations of one step show; twice that where nothing is named. With nothing hidden the
-errors of the parameters leave up to 4.2, on a plant with other forms of tyre than here; see
+"""Gap of the replays, in units of the noise, from which something is left beside named effects,
+whatever innovations of one step show; twice that if nothing is named. With nothing hidden the
+errors of the parameters leave up to 4.2, on a plant with other tyre curves than here; see
 tests/studies/naming.py."""
 
 WHEEL_ANGLE, FREQUENCY, SLIP = "wheel_angle", "frequency", "slip"  # drivers that no term has
 
 _HARMONICS = (1, 2)  # of the wheel's turn; run-out and uneven spacing show in the first ones
-_HELD = 0.5  # rise of a brake torque from knot to knot, over that before, below which it is held
+_HELD = 0.5  # slope of a torque over pressure, over their ratio, below which it is held [1]
 
-# shares of the excess
-_ONE_SIDED = 0.3  # that a lasting difference of left and right must take to name one wheel
-_NO_TERM = 0.1  # that must go with the angle of the wheels, or swing, to be told as that
+_ONE_SIDED = 0.3  # share of the excess that one wheel must take to be named
+_NO_TERM = 0.1  # share of the excess that must go with the wheel angle, or swing, to be the driver
 
 _WINDOW = round(4.0 / STEP)  # innovations in a window of 4 s
 _SLOWEST, _FASTEST = 2, 20
-"""First and last line of its spectrum that may swing, 0.5 and 5 Hz: an error that lasts for a stop
+"""First and last line of the spectrum that may swing, 0.5 and 5 Hz: an error that lasts for a stop
 is slower, a body on its springs swings at 1 to 2 Hz, a wheel is faster."""
 _OVER = 3.0
-"""Least power of a peak over that of the slower lines. What every application leaves, as a lag
-does, is in all of them; a swing of 0.5 Hz or more has at most a fifth at 0.25 Hz."""
+"""Least power of a peak over that of the slower lines. An error after every application, such as
+that of a lag, is in all lines; a swing of 0.5 Hz or more has at most a fifth at 0.25 Hz."""
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """What a ``search`` comes to: the fit whose hold-outs are ``after``.
+    """Result of a ``search``: the best fit, with its replays ``after``.
 
-    ``rivals`` as likely; ``term`` the fit with the best empirical term beside it, where something
-    is left.
+    ``rivals`` are as likely; ``term`` is the fit with the best empirical term beside the best fit,
+    or None if nothing is left.
     """
 
     search: Search
@@ -71,7 +73,7 @@ class Verdict:
 
     @property
     def best(self) -> Fit:
-        """What is named, or the base without effects."""
+        """The fit with the named effects, or the base without effects."""
         return self.after.fit
 
     @property
@@ -83,62 +85,64 @@ class Verdict:
 
 
 def verdict_of(search: Search) -> Verdict:
-    """The verdict on the ``best`` of a search, by its hold-outs."""
+    """Return the verdict on the best fit of a search."""
     base = search.base
-    after, terms, beside = _standing(search)
+    after, terms, with_term = _closing(search)
     best = after.fit
-    if not beside and search.gap(after).rms_after > (_FAR if best.names else 2.0 * _FAR):
-        beside = with_terms(best, terms)
-    if beside and best.names:
-        alone = with_terms(base, search.terms)
-        if alone[0].log_evidence > best.log_evidence + SURE:
-            best, after, beside = base, search.base_replayed, alone
+    if not with_term and search.gap(after).rms_after > (_FAR if best.names else 2.0 * _FAR):
+        with_term = with_terms(best, terms)
+    if with_term and best.names:
+        term_alone = with_terms(base, search.terms)
+        if term_alone[0].log_evidence > best.log_evidence + SURE:
+            best, after, with_term = base, search.base_replayed, term_alone
     rivals = search.rivals if best is search.best else ()
-    return Verdict(search, after, rivals, plainest(best, beside) if beside else None)
+    return Verdict(search, after, rivals, plainest(best, with_term) if with_term else None)
 
 
-def _standing(search: Search) -> tuple[Replayed, list[Ranked], list[Fit]]:
-    """Return the last fit of a search that closes the gap of the replays, with terms beside it.
+def _closing(search: Search) -> tuple[Replayed, list[Ranked], list[Fit]]:
+    """Find the last accepted fit that closes the gap of the replays; the base if none does.
 
-    By `_CLOSED` where something is left with it; else it must not widen the gap.
+    A fit that leaves something must close it by `_CLOSED`, any other fit must not widen it. Return
+    its replays, the terms ranked beside it, and the fits with terms if something is left.
     """
     accepted = [*search.accepted]
-    with suppress(ModelError):  # else the last one stands as it was accepted
+    with suppress(ModelError):  # without a new replay the last one stays as it was accepted
         accepted[-1:] = [search.replayed(search.best)]
     for replayed in reversed(accepted):
         best = replayed.fit
         if best.names and search.widens(replayed):
             continue
         terms = ranked_terms(best)
-        beside = _remaining_terms(search, best, terms)
-        explained = 1.0 - (best.reduced - 1.0) / max(search.base.reduced - 1.0, 1e-9)
-        if not best.names or not beside or min(search.gap(replayed).closed, explained) > _CLOSED:
-            return replayed, terms, beside
+        with_term = _remaining_terms(search, best, terms)
+        explained = 1.0 - (best.mean_square - 1.0) / max(search.base.mean_square - 1.0, 1e-9)
+        closed = min(search.gap(replayed).closed, explained)
+        if not best.names or not with_term or closed > _CLOSED:
+            return replayed, terms, with_term
     return search.base_replayed, search.terms, _remaining_terms(search, search.base, search.terms)
 
 
 def _remaining_terms(search: Search, fit: Fit, terms: Sequence[Ranked]) -> list[Fit]:
-    """Fits with the best of these terms, where more than noise is left; else none.
+    """Fit the best of these terms beside a fit if more than noise is left; else return none.
 
-    That is where a term is surely more probable, on the hold-outs, too: no law stands behind it.
+    More is left if the innovations have far more, or if a term is surely more probable, on the
+    hold-outs, too, since no law stands behind it.
     """
-    is_strange = fit.reduced > 1.01 + _STRANGE * fit.scatter
+    is_strange = fit.mean_square > 1.01 + _STRANGE * fit.scatter
     if not is_strange and terms[0].log_gain < SURE:
         return []
-    with_term, fits = with_terms(fit, terms), search.fits
-    holdout_gain = fits.density(with_term[0]) - fits.density(fit)
-    is_sure = (
-        holdout_gain > 0.0 and with_term[0].log_evidence - fit.log_evidence + holdout_gain > SURE
-    )
-    return with_term if is_strange or is_sure else []
+    fits = with_terms(fit, terms)
+    holdout_gain = search.fits.density(fits[0]) - search.fits.density(fit)
+    gain = fits[0].log_evidence - fit.log_evidence + holdout_gain
+    is_sure = holdout_gain > 0.0 and gain > SURE
+    return fits if is_strange or is_sure else []
 
 
 @dataclass(frozen=True)
 class Oscillation:
-    """The strongest line of what is left.
+    """The strongest line of the spectrum of what is left.
 
-    ``share`` of the excess [1] that swings at ``frequency`` [Hz], 0 where no line stands out;
-    ``body`` whether most of it is in a_x and v, so that the car as a whole swings.
+    ``share`` of the excess [1] swings at ``frequency`` [Hz]; 0 if no line stands out. ``body`` says
+    whether most of it is in a_x and v, so that the car as a whole swings.
     """
 
     frequency: float
@@ -148,16 +152,16 @@ class Oscillation:
 
 @dataclass(frozen=True)
 class Unexplained:
-    """The empirical ``term`` that explains most of what is left.
+    """The empirical ``term`` that explains most of what is left, and where and how it acts.
 
-    ``driver`` is the variable that it depends on: the term's, `WHEEL_ANGLE` where ``turning``, the
-    share that goes with the angle of the wheels, is larger, `FREQUENCY` where that of
-    ``oscillation`` is, or `SLIP` where the torque of front brakes is held: no valve does that.
-    ``place`` where it acts, one of `PLACES`, that of the term but of what swings, and the ``axle``;
-    ``held_from`` the pressure [Pa] from which a brake torque is held; ``size`` rms of what replays
-    without the term leave, over the noise of the sensors [1]; ``explained`` share of the excess of
-    the innovations that the term takes, at most 1; ``wheel`` the one that is slower than the other
-    wheel of its axle, where that is most of the excess.
+    ``driver`` is the variable on which it depends: that of the term; `WHEEL_ANGLE` if ``turning``,
+    the share of the excess that goes with the angle of the wheels, is larger than the share of the
+    term; `FREQUENCY` if that of ``oscillation`` is; or `SLIP` if the torque of front brakes is
+    held, which no valve does. ``place`` is one of `PLACES`: that of the term, unless it swings.
+    ``held_from`` is the pressure from which a brake torque is held [Pa]. ``size`` is the rms of the
+    gap that replays leave without the term, over the noise of the sensors [1]. ``explained`` is the
+    share of the excess that the term takes, at most 1. ``wheel`` is slower than the other wheel of
+    its axle, if that is most of the excess.
     """
 
     place: str
@@ -173,7 +177,7 @@ class Unexplained:
 
 
 def held_from(term: EmpiricalTerm) -> float | None:
-    """Pressure [Pa] above which a brake torque hardly rises with it; None where it does rise.
+    """Pressure [Pa] above which a brake torque hardly rises with the pressure; None if it rises.
 
     Brake control that limits the slip holds a torque so; at the rear, a valve does, too.
     """
@@ -188,43 +192,42 @@ def held_from(term: EmpiricalTerm) -> float | None:
 
 
 def plainest(fit: Fit, terms: Sequence[Fit]) -> Fit:
-    """The best of ``terms``, which is the first, or one of a single number that is hardly worse.
+    """Return the best of the fits with ``terms``, the first, or a plainer one if hardly worse.
 
-    Such a term is constant, or holds a torque.
+    A plain term has a single number: it is constant, or holds a torque.
     """
-    hardly = PLAIN * _excess(fit) / fit.count
-
-    def is_behind(described: Fit) -> bool:
-        term = described.effects.terms[0]
-        plain = term.driver == "constant" or held_from(term) is not None
-        return not plain or described.reduced >= terms[0].reduced + hardly
-
-    return min(terms, key=is_behind)
+    margin = PLAIN * _excess(fit) / fit.count
+    for with_term in terms:
+        (term,) = with_term.effects.terms
+        is_plain = term.driver == "constant" or held_from(term) is not None
+        if is_plain and with_term.mean_square < terms[0].mean_square + margin:
+            return with_term
+    return terms[0]
 
 
 def _excess(fit: Fit) -> float:
-    """What the sum of squares of the innovations has beyond noise, at least its scatter."""
-    return max((fit.reduced - 1.0) * fit.count, float(np.sqrt(2.0 * fit.count)))
+    """Excess of the sum of squares of the innovations, at least its scatter."""
+    return max((fit.mean_square - 1.0) * fit.count, float(np.sqrt(2.0 * fit.count)))
 
 
 def unexplained_of(fit: Fit, with_term: Fit, size: float) -> Unexplained:
-    """Describe what is left on top of ``fit``, by the fit with a term beside it."""
+    """Describe what is left beside ``fit``; ``size`` as in `Unexplained`."""
     excess, (term,) = _excess(fit), with_term.effects.terms
-    explained = min((fit.reduced - with_term.reduced) * fit.count / excess, 1.0)
+    explained = min((fit.mean_square - with_term.mean_square) * fit.count / excess, 1.0)
     pressure = held_from(term)
     whitened = [by_channel(r) for r in fit.innovations]
-    turning, turned = _turning(fit, whitened, excess)
+    turning, turning_axle = _turning(fit, whitened, excess)
     swing = oscillation_of(whitened, excess)
-    slips = pressure is not None and PLACES[term.place] != "rear"
-    causes = (
-        (max(explained, _NO_TERM), SLIP if slips else term.driver, term.place),
+    holds_front = pressure is not None and PLACES[term.place] != "rear"
+    causes = (  # share of the excess, driver, place
+        (max(explained, _NO_TERM), SLIP if holds_front else term.driver, term.place),
         (turning, WHEEL_ANGLE, term.place),
         (swing.share, FREQUENCY, "body" if swing.body else "brakes"),
     )
     _, driver, place = max(causes, key=lambda cause: cause[0])
     return Unexplained(
         place=place,
-        axle=turned if driver == WHEEL_ANGLE else PLACES[place],
+        axle=turning_axle if driver == WHEEL_ANGLE else PLACES[place],
         wheel=_one_sided(whitened, excess),
         driver=driver,
         size=size,
@@ -237,23 +240,23 @@ def unexplained_of(fit: Fit, with_term: Fit, size: float) -> Unexplained:
 
 
 def _turning(fit: Fit, whitened: Sequence[Array], excess: float) -> tuple[float, str]:
-    """Share of the excess that goes with the angle of the front or rear wheels, and which [1]."""
+    """Share of the excess that goes with the angle of front or rear wheels [1], and that axle."""
     shares = {"front": 0.0, "rear": 0.0}
     for run, x in zip(fit.problem.runs, whitened, strict=True):
         for axle, angle in (("front", run.angle_f), ("rear", run.angle_r)):
             phase = np.outer(_HARMONICS, thinned(run, angle)[-x.shape[1] :])
-            shown = [CHANNELS.index(name) for name in ("rim", "front_rear", f"{axle}_sides")]
-            shares[axle] += float(np.sum(_power_of(x[shown], phase))) / excess
+            rows = [CHANNELS.index(name) for name in ("rim", "front_rear", f"{axle}_sides")]
+            shares[axle] += float(np.sum(_power_of(x[rows], phase))) / excess
     share, axle = max((share, axle) for axle, share in shares.items())
     return min(share, 1.0), axle
 
 
 def oscillation_of(whitened: Sequence[Array], excess: float) -> Oscillation:
-    """The strongest line of whitened innovations (6, m) of each run, over the ``excess``."""
+    """The strongest line of whitened innovations (6, m) of all runs, over the ``excess``."""
     frequencies = np.arange(_FASTEST + 2) / (_WINDOW * STEP)
     phase = 2.0 * np.pi * np.outer(frequencies, STEP * np.arange(_WINDOW))
-    cut = (x[:, : x.shape[1] // _WINDOW * _WINDOW] for x in whitened)
-    windows = np.hstack([*cut]).reshape(len(CHANNELS), -1, _WINDOW)
+    whole = [x[:, : x.shape[1] // _WINDOW * _WINDOW] for x in whitened]  # whole windows
+    windows = np.hstack(whole).reshape(len(CHANNELS), -1, _WINDOW)
     power = np.sum(_power_of(windows, phase), axis=1)
     lines = np.sum(power, axis=0)
     peak = _SLOWEST + int(np.argmax(lines[_SLOWEST:-1]))
@@ -261,28 +264,28 @@ def oscillation_of(whitened: Sequence[Array], excess: float) -> Oscillation:
         return Oscillation(0.0, 0.0, body=False)
     near = slice(peak - 1, peak + 2)
     band = np.maximum(power[:, near], 0.0)
-    whole = float(np.sum(band))
+    total = float(np.sum(band))
     return Oscillation(
-        frequency=float(np.sum(band @ frequencies[near])) / whole,
-        share=min(whole / excess, 1.0),
-        body=float(np.sum(band[[A_X, DRIFT]])) > 0.5 * whole,
+        frequency=float(np.sum(band @ frequencies[near])) / total,
+        share=min(total / excess, 1.0),
+        body=float(np.sum(band[[A_X, DRIFT]])) > 0.5 * total,
     )
 
 
 def _power_of(x: Array, phase: Array) -> Array:
-    """Squares (..., k) that waves of a ``phase`` (k, n) [rad] take of innovations (..., n).
+    """Squares (..., k) of innovations (..., n) that waves of a ``phase`` (k, n) [rad] explain.
 
-    Less those of noise alone, two a wave: cosine and sine.
+    Those that they explain of noise alone are subtracted: two a wave, by cosine and sine.
     """
     return np.asarray(2.0 * np.abs(x @ np.exp(1j * phase).T) ** 2 / x.shape[-1] - 2.0)
 
 
 def _one_sided(whitened: Sequence[Array], excess: float) -> str | None:
-    """The wheel that is always slower than that beside it, if much of the excess is that."""
-    every = np.hstack(whitened)
-    lasting = np.sum(every, axis=1) / np.sqrt(every.shape[1])
-    mean = {axle: float(lasting[CHANNELS.index(f"{axle}_sides")]) for axle in ("front", "rear")}
-    axle = max(mean, key=lambda one: abs(mean[one]))
-    if mean[axle] ** 2 - 1.0 < _ONE_SIDED * excess:
+    """The wheel that is always slower than that beside it, if this is much of the excess."""
+    joined = np.hstack(whitened)
+    lasting = np.sum(joined, axis=1) / np.sqrt(joined.shape[1])  # in standard deviations
+    by_axle = {axle: float(lasting[CHANNELS.index(f"{axle}_sides")]) for axle in ("front", "rear")}
+    axle = max(by_axle, key=lambda name: abs(by_axle[name]))
+    if by_axle[axle] ** 2 - 1.0 < _ONE_SIDED * excess:
         return None
-    return f"{axle}_{'left' if mean[axle] < 0.0 else 'right'}"
+    return f"{axle}_{'left' if by_axle[axle] < 0.0 else 'right'}"

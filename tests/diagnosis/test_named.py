@@ -9,12 +9,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.diagnosis.explanation.base import OWN
+from calib.diagnosis.explanation.base import RANDOM_EFFECTS
 from calib.diagnosis.explanation.fit import Fit
 from calib.diagnosis.explanation.gauss_newton import fit_logs
 from calib.diagnosis.explanation.predict import ObservedRun, run_of
 from calib.diagnosis.named import best_drive, manoeuvres
-from calib.diagnosis.replays import model_of, without_form
+from calib.diagnosis.replays import model_of, without_discrepancy
 from calib.model.simulate import simulate
 from tests.support.explained import asked_of, fitted
 from tests.support.hidden.cases import draw
@@ -44,7 +44,7 @@ def refitted(rivals: list[Fit], made: Fit, run: ObservedRun) -> float:
     more = replace(made.problem, runs=(*made.problem.runs, run_of(driven)))
     found = []
     for at in rivals:
-        random_effects = np.vstack([at.state.random_effects, np.zeros((1, len(OWN)))])
+        random_effects = np.vstack([at.state.random_effects, np.zeros((1, len(RANDOM_EFFECTS)))])
         anew = fit_logs(more, at.hypothesis, replace(at.state, random_effects=random_effects))
         found.append(anew.squares)
     return float(np.sqrt(found[1] - found[0]))
@@ -53,7 +53,7 @@ def refitted(rivals: list[Fit], made: Fit, run: ObservedRun) -> float:
 def test_the_test_that_is_proposed_separates_most(rivals):
     one, other = rivals
     name, sigma = best_drive(one, other)
-    made = without_form(one)
+    made = without_discrepancy(one)
     runs = [run for run in manoeuvres(one) if run.source == name or run.source.startswith("light")]
     shown = {run.source: refitted(rivals, made, run) for run in runs}
     assert "coast" in name

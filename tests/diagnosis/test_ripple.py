@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from calib.diagnosis.explanation.predict import run_of
-from calib.diagnosis.explanation.problem import problem_of, turned
+from calib.diagnosis.explanation.problem import problem_of, with_ripple_phase
 from calib.diagnosis.replays import HoldOuts, gap_of, replayed
 from calib.logs.log import Log
 from calib.model.sensor_noise import add_noise
@@ -50,8 +50,10 @@ def apart(a: float, b: float) -> float:
 
 def test_the_origins_of_the_runs_differ_as_their_first_angles_do(runs):
     _, logs = runs
-    turned = problem_of(CAR, [run_of(log) for log in logs]).runs
-    first = [run.angle_f[0] - run_of(log).angle_f[0] for run, log in zip(turned, logs, strict=True)]
+    shifted = problem_of(CAR, [run_of(log) for log in logs]).runs
+    first = [
+        run.angle_f[0] - run_of(log).angle_f[0] for run, log in zip(shifted, logs, strict=True)
+    ]
     for found, angle in zip(first, STARTS, strict=True):
         assert apart(found - first[0], angle - STARTS[0]) < 0.15
 
@@ -59,7 +61,7 @@ def test_the_origins_of_the_runs_differ_as_their_first_angles_do(runs):
 def test_the_gap_of_a_ripple_shrinks_on_hold_outs(runs):
     name, logs = runs
     problem = asked(CAR, logs[:2])
-    kept = turned(CAR, [run_of(log) for log in logs[2:]], problem.noise)
+    kept = with_ripple_phase(CAR, [run_of(log) for log in logs[2:]], problem.noise)
     held = HoldOuts(tuple(logs[2:]), replace(problem, runs=kept))
     base = fitted(problem)
     after = replayed(held, fitted(problem, (name,)), base)

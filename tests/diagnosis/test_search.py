@@ -31,7 +31,7 @@ def pair() -> Search:
 
 def test_two_effects_are_found_although_a_third_imitates_both(pair):
     assert set(pair.best.names) == {"aerodynamic_drag", "road_grade"}
-    assert pair.best.reduced < 1.05
+    assert pair.best.mean_square < 1.05
     assert not pair.rivals
     assert (pair.steps[0], set(pair.steps[-1])) == ((), set(pair.best.names))
     assert pair.best.log_evidence > max(

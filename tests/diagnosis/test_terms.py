@@ -38,7 +38,7 @@ def found(term: EmpiricalTerm) -> Fit:
     best, *others = with_terms(base, ranked_terms(base))
     assert all(one.log_evidence <= best.log_evidence for one in others)
     assert best.log_evidence > base.log_evidence
-    assert best.reduced < base.reduced
+    assert best.mean_square < base.mean_square
     return best
 
 

@@ -7,7 +7,7 @@ import pytest
 
 import calib
 from calib.car.effects.effects import Effects, EmpiricalTerm
-from calib.diagnosis.explanation.base import OWN
+from calib.diagnosis.explanation.base import RANDOM_EFFECTS
 from calib.diagnosis.explanation.channels import CHANNELS, STEP
 from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.replays import HoldOuts, gap_of, placed, replayed
@@ -48,11 +48,11 @@ def test_each_log_has_its_own_slope_or_zero_and_hold_outs_are_replayed_with_thei
     problem = asked(SEDAN, offset_logs(kind, known))
     logs = offset_logs(kind, held, 7)
     kept = replace(problem, runs=tuple(run_of(log) for log in logs))
-    at = fitted(problem, kinds=[kind])
-    place = OWN.index(kind)
+    at = fitted(problem, groups=[kind])
+    place = RANDOM_EFFECTS.index(kind)
     # four standard deviations of a difference of two, of what a log says of it beside its pads
-    N = at.random_columns(0)[[0, 1, 2, place]] * at.hypothesis.sizes[[0, 1, 2, place], None]
-    sd = np.sqrt(np.linalg.inv(np.eye(4) + N @ N.T)[3, 3]) * at.hypothesis.sizes[place]
+    N = at.random_columns(0)[[0, 1, 2, place]] * at.hypothesis.sigmas[[0, 1, 2, place], None]
+    sd = np.sqrt(np.linalg.inv(np.eye(4) + N @ N.T)[3, 3]) * at.hypothesis.sigmas[place]
     within = 4.0 * np.sqrt(2.0) * float(sd)
     found = at.state.random_effects[:, place]
     assert found - found[0] == pytest.approx(SIZES[kind] * np.array(known), abs=within)
@@ -62,7 +62,7 @@ def test_each_log_has_its_own_slope_or_zero_and_hold_outs_are_replayed_with_thei
     after, plain = replayed(proof, at, base), replayed(proof, base, base)
     assert gap_of(plain.logs, after.logs, logs).closed > 0.5
     assert not np.any(plain.random_effects[:, place])
-    assert not np.any(plain.simulated.state.form)
+    assert not np.any(plain.simulated.state.discrepancy)
 
 
 @pytest.fixture(scope="module")
@@ -83,7 +83,7 @@ def test_an_effect_that_makes_the_hold_outs_worse_is_withdrawn(drag_in_calibrati
     # what the calibration logs have and no effect may explain is told with its driver
     assert found.term.effects.terms[0].place == "body"
     assert found.term.effects.terms[0].driver == "speed"
-    assert found.term.reduced < 1.1 < search.base.reduced
+    assert found.term.mean_square < 1.1 < search.base.mean_square
 
 
 FEW = ("ramp", "release", "coast", "step_high")

@@ -30,9 +30,9 @@ def asked_of(case: HiddenCase) -> Problem:
     return asked(case.vehicle, case.calibration)
 
 
-def fitted(problem: Problem, names: tuple[str, ...] = (), kinds: Sequence[str] = ()) -> Fit:
-    """Effects and kinds fitted from nothing; strengths begin with one spread."""
-    start, hypothesis = start_of(problem), Hypothesis(names, frozenset(kinds))
+def fitted(problem: Problem, names: tuple[str, ...] = (), groups: Sequence[str] = ()) -> Fit:
+    """Effects and groups fitted from nothing; strengths begin with one spread."""
+    start, hypothesis = start_of(problem), Hypothesis(names, frozenset(groups))
     known = problem.vehicle.effects
     more = [np.eye(len(elements_of(known, name)))[0] for name in names]
     state = replace(start, x=np.concatenate([start.x, *more]))

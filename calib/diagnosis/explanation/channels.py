@@ -7,9 +7,10 @@
     front_sides  left less right, front              [rad/s]
     rear_sides   left less right, rear               [rad/s]
 
-The noise of each channel is an AR process fitted to the unbraked parts. A residual is whitened with
-it: the result is white with variance 1 if the model is right. The drift of v is a random walk under
-white noise; its whitening filter is (1 - B)/(1 - 0.9 B).
+The channels have a clock of 20 ms. The noise of each channel is an AR process fitted to the
+unbraked parts. It whitens the residuals: the innovations are white with variance 1 if the model is
+right. The drift of v is a random walk under white noise; its whitening filter, with the shift B by
+a sample, is (1 - B)/(1 - 0.9 B).
 """
 
 from dataclasses import dataclass, replace
@@ -37,13 +38,13 @@ _OF_WHEELS = np.array(
         [0.0, 0.0, 1.0, -1.0],
     ]
 )
-"""Channels by wheel speeds, in the order of `WHEELS`."""
+"""Coefficients (6, 4) of the channels on the wheel speeds, in the order of `WHEELS`."""
 
 _FLOOR = (0.005, 0.003, 0.005, 0.003, 0.003, 0.003)
-"""Lower limit of the innovation's sd by channel, in its unit; simulated logs may have no noise."""
+"""Lower limits of the innovations' sd (6,), in the channels' units: a simulation has no noise."""
 
-STEP = 0.02  # clock of the evidence [s]
-ORDER = 3  # of the AR noise: road-coloured noise of 0.1 s at 50 Hz needs two to three
+STEP = 0.02  # clock of the channels [s]
+ORDER = 3  # order of the AR noise: noise of a road, with 0.1 s, needs two to three at 50 Hz
 WALK = 0.9  # pole of the whitening filter of v: a drift of a tenth of the noise per step
 LONG = 10 * ORDER  # least samples of an unbraked part that shows noise: ten for each coefficient
 _PARABOLA = 3  # coefficients of the parabola that is taken out of every unbraked part
@@ -51,9 +52,9 @@ _PARABOLA = 3  # coefficients of the parabola that is taken out of every unbrake
 
 @dataclass(frozen=True)
 class ChannelNoise:
-    """AR coefficients (6, ORDER), of the oldest sample first, and innovation sd (6,), in its units.
+    """AR ``coefficients`` (6, ORDER), of the oldest sample first, and sd of the innovations (6,).
 
-    ``freedom`` is the number of independent samples that it was taken from.
+    ``freedom`` is the number of independent samples from which the noise was estimated.
     """
 
     coefficients: Array
@@ -62,44 +63,50 @@ class ChannelNoise:
 
 
 def residuals(run: ObservedRun, predicted: Prediction) -> Array:
-    """Measured less predicted, (6, m) at the clock of the evidence, as long as the car moves."""
+    """Measured less predicted readings, (6, m), as long as the car moves."""
     r = of_wheels(run, run.omega - predicted.omega)
-    r[:2] = thinned(run, np.stack([run.a_x - predicted.a_x, run.v_read - predicted.gained]))
+    r[:2] = thinned(run, np.stack([run.a_x - predicted.a_x, run.v_read - predicted.speed_gain]))
     return r
 
 
 def of_wheels(run: ObservedRun, omega: Array) -> Array:
-    """Changes of the channels (..., 6, m) by changes of the wheel speeds (..., 4, n) [rad/s]."""
+    """Changes of the channels (..., 6, m) by changes ``omega`` of wheel speeds (..., 4, n)."""
     return np.asarray(_OF_WHEELS @ thinned(run, omega))
 
 
 def thinned(run: ObservedRun, x: Array) -> Array:
-    """Means (..., m) of signals (..., n) at the clock of the evidence, as long as the car moves."""
+    """Means (..., m) of signals (..., n) over `STEP`, as long as the car moves."""
     n = samples_in(STEP, run.step)
-    stop = np.flatnonzero(run.v < MOVING)
-    length = int(stop[0]) if stop.size else run.time.size
+    slow = np.flatnonzero(run.v < MOVING)
+    length = int(slow[0]) if slow.size else run.time.size
     return block_mean(x[..., :length], n)
 
 
 def noise_of(parts: list[Array], wholes: list[Array]) -> ChannelNoise:
-    """Noise from unbraked residuals, (6, m) each; a parabola is subtracted from every part.
+    """Estimate the noise from unbraked residuals ``parts``, (6, m) each, less a parabola.
 
-    Where no part is long enough, from the third differences of the ``wholes``, (6, n) each: these
-    hold almost no motion, and the noise then counts as white. Never below `_FLOOR`.
+    If no part is long enough, it comes from the third differences of the ``wholes``, (6, n) each:
+    these contain almost no motion, and the noise then counts as white. Never below `_FLOOR`.
     """
-    curves = ((part, _parabola(part.shape[1])) for part in parts if part.shape[1] >= LONG)
-    long = [part - part @ curve @ curve.T for part, curve in curves]
-    if long:
-        rows = [sliding_window_view(part, ORDER + 1, axis=1) for part in long]
-        coefficients = np.array(
-            [lstsq(c[:, :-1], c[:, -1], rcond=None)[0] for c in np.concatenate(rows, axis=1)]
-        )
-        freedom = sum(part.shape[1] - ORDER - _PARABOLA for part in long) - ORDER
-        unit = ChannelNoise(coefficients, np.ones(len(CHANNELS)), freedom)
-        squares = sum(np.sum(by_channel(whiten(part, unit)) ** 2, axis=1) for part in long)
-        each = np.full(len(CHANNELS), float(freedom))
-        each[DRIFT] = sum(_freedom_of_drift(part.shape[1]) for part in long)
-        return replace(unit, sigma=np.maximum(np.sqrt(squares / each), _FLOOR))
+    long = [part for part in parts if part.shape[1] >= LONG]
+    if not long:
+        return _white_noise_of(wholes)
+    curves = [_parabola(part.shape[1]) for part in long]
+    straight = [part - part @ curve @ curve.T for part, curve in zip(long, curves, strict=True)]
+    windows = [sliding_window_view(part, ORDER + 1, axis=1) for part in straight]
+    coefficients = np.array(
+        [lstsq(x[:, :-1], x[:, -1], rcond=None)[0] for x in np.concatenate(windows, axis=1)]
+    )
+    freedom = sum(part.shape[1] - ORDER - _PARABOLA for part in straight) - ORDER
+    unit = ChannelNoise(coefficients, np.ones(len(CHANNELS)), freedom)
+    squares = sum(np.sum(by_channel(whiten(part, unit)) ** 2, axis=1) for part in straight)
+    freedoms = np.full(len(CHANNELS), float(freedom))
+    freedoms[DRIFT] = sum(_freedom_of_drift(part.shape[1]) for part in straight)
+    return replace(unit, sigma=np.maximum(np.sqrt(squares / freedoms), _FLOOR))
+
+
+def _white_noise_of(wholes: list[Array]) -> ChannelNoise:
+    """White noise by the third differences of residuals, (6, n) each."""
     scatter = [np.median(np.abs(np.diff(x, 3, axis=1)), axis=1) for x in wholes]
     # the median over the runs: a bite or a release does not move it
     sigma = np.maximum(np.median(scatter, axis=0) / QUARTILE / np.sqrt(20.0), _FLOOR)
@@ -113,33 +120,37 @@ def _parabola(size: int) -> Array:
 
 
 def _freedom_of_drift(size: int) -> float:
-    """Sum of squares that is kept of v where ``size`` samples of unit white noise are straightened.
+    """Expected sum of squares of the whitened v of white noise [1], less a parabola.
 
-    Each is the sum of the answers to all samples before, which are alike but for the first one.
+    The noise has ``size`` samples of variance 1. Each whitened sample is a sum of responses to all
+    samples of the noise before; these have one shape, but for that to the first sample.
     """
-    first, later = _kept_drift(np.eye(2, size)) ** 2
-    straight = np.sum(_kept_drift(_parabola(size).T) ** 2, axis=0)
-    return float(np.sum((first + np.cumsum(later) - straight)[ORDER - 1 :]))
+    first, later = _whitened_drift(np.eye(2, size)) ** 2
+    of_parabola = np.sum(_whitened_drift(_parabola(size).T) ** 2, axis=0)
+    return float(np.sum((first + np.cumsum(later) - of_parabola)[ORDER - 1 :]))
 
 
-def _kept_drift(x: Array) -> Array:
-    """Whitened v (..., m - 1), in its unit, of the residual (..., m): white noise keeps its sd."""
+def _whitened_drift(x: Array) -> Array:
+    """Whitened v (..., m - 1) of the residual (..., m), in its unit: white noise keeps its sd."""
     from scipy.signal import lfilter
 
-    # a difference of white noise, smoothed back: variance 2/(1 + WALK) of the noise
+    # differences of white noise, filtered, have 2/(1 + WALK) of its variance
     smoothed = lfilter([1.0], [1.0, -WALK], np.diff(x))
     return np.asarray(smoothed / np.sqrt(2.0 / (1.0 + WALK)))
 
 
 def whiten(residual: Array, noise: ChannelNoise) -> Array:
-    """Innovations (..., n) over their sigma of residuals (..., 6, m), channel after channel."""
+    """Innovations over their sigma (..., n) of residuals (..., 6, m), channel after channel.
+
+    n is 6 (m - ORDER).
+    """
     size = residual.shape[-1] - ORDER
     terms = (noise.coefficients[:, k, None] * residual[..., k : k + size] for k in range(ORDER))
     innovations = residual[..., ORDER:] - sum(terms)
-    innovations[..., DRIFT, :] = _kept_drift(residual[..., DRIFT, :])[..., -size:]
+    innovations[..., DRIFT, :] = _whitened_drift(residual[..., DRIFT, :])[..., -size:]
     return np.asarray(innovations / noise.sigma[:, None]).reshape(*residual.shape[:-2], -1)
 
 
 def by_channel(innovations: Array) -> Array:
-    """Innovations (n,) of a run by channel (6, m - ORDER)."""
+    """Innovations (n,) of a run by channel, (6, m - ORDER)."""
     return innovations.reshape(len(CHANNELS), -1)

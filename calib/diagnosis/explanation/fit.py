@@ -1,8 +1,9 @@
-"""A hypothesis fitted to all logs: base, effects, shape of the tyre, random effects of each log.
+"""A hypothesis at a state: its predictions of all logs, innovations and derivatives.
 
     state --predict--> innovations r      r + J dx + F df + N du      one linear model
 
-The evidence is Laplace's about the state; derivatives are finite differences.
+x are base, effects and walk, f the discrepancies of the tyres, u the random effects of a log. J, F
+and N are finite differences; the evidence is that of the linear model (Laplace's).
 """
 
 import math
@@ -17,36 +18,43 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.car.effects.effects import Effects
 from calib.diagnosis.explanation.base import (
-    COURSES,
+    BASE_NAMES,
+    DISCREPANCY_FORCES,
     FACTOR_ON,
-    FORM_AT,
     FRONT_HEAT,
+    GROUPS,
     HEATS,
-    KINDS,
-    NAMES,
-    OWN,
+    OFFSETS,
+    RANDOM_EFFECTS,
     REAR_HEAT,
     Base,
-    sizes,
+    random_sigmas,
 )
 from calib.diagnosis.explanation.channels import CHANNELS, of_wheels, residuals, whiten
 from calib.diagnosis.explanation.gaussian import Marginal, Products
-from calib.diagnosis.explanation.hypothesis import FADE, Hypothesis, Prior, State, based, prior_of
+from calib.diagnosis.explanation.hypothesis import (
+    FADE,
+    Hypothesis,
+    Prior,
+    State,
+    base_and_effects,
+    prior_of,
+)
 from calib.diagnosis.explanation.predict import ObservedRun, Prediction, RunLag, predict
 from calib.diagnosis.explanation.problem import Problem
 
-_BENT = 2.0  # mean square of pads and tyres over their priors' from which they are bent [1]
-_STEP = 1e-3  # of an element of x [1]
-_STEP_OF_OWN = 1.0 / 15.0  # of a random effect, over its largest standard deviation
+_UNUSUAL = 2.0  # mean square of base and discrepancy over that of their priors [1]: unusual from it
+_STEP = 1e-3  # step of an element of x in a finite difference [1]
+_STEP_OF_RANDOM = 1.0 / 15.0  # the same of a random effect, over its largest standard deviation
 
 
 @dataclass(frozen=True)
 class Fit:
     """A hypothesis fitted to the logs of a problem.
 
-    Of each log its ``predictions``, its ``innovations`` (n,), and their derivatives: ``columns``
-    (m + 2 k, n) by x and the form of tyres, ``further_columns`` (4, n) by its slope, zero of a_x,
-    and first heats of its discs.
+    For each log it has the ``predictions``, the ``innovations`` (n,), and their derivatives:
+    ``columns`` (m + 2 k, n) by x and discrepancy, ``further_columns`` (4, n) by `OFFSETS` and
+    `HEATS`.
     """
 
     problem: Problem
@@ -69,70 +77,69 @@ class Fit:
         return sum(r.size for r in self.innovations)
 
     @property
-    def reduced(self) -> float:
-        """Mean squared innovation [1]."""
+    def mean_square(self) -> float:
+        """Mean squared innovation [1]; 1 if only noise is left."""
         return sum(float(r @ r) for r in self.innovations) / self.count
 
     @property
     def scatter(self) -> float:
-        """Standard deviation of `reduced` where nothing is left [1], with that of the noise."""
+        """Standard deviation of `mean_square` if only noise is left, of estimated size [1]."""
         freedom = len(CHANNELS) * self.problem.noise.freedom
         return math.sqrt(2.0 / self.count + 2.0 / freedom)
 
     @cached_property
     def prior(self) -> Prior:
-        """The prior of all that logs share."""
+        """Prior of x and discrepancy."""
         return prior_of(self.problem, self.hypothesis)
 
     @property
     def scaled_random_effects(self) -> Array:
-        """Random effects of each log in their standard deviations, those that it may have."""
-        S = self.hypothesis.sizes
+        """Random effects (runs, j) in their standard deviations, those that are not zero."""
+        S = self.hypothesis.sigmas
         return np.asarray(self.state.random_effects[:, S > 0.0] / S[S > 0.0])
 
     @cached_property
     def squares(self) -> float:
         """Sum of squares of the innovations and of all priors."""
         shared, rows = self.state.shared, sum(float(r @ r) for r in self.innovations)
-        return float(
-            rows + shared @ self.prior.precision @ shared + np.sum(self.scaled_random_effects**2)
-        )
+        of_prior = shared @ self.prior.precision @ shared
+        return float(rows + of_prior + np.sum(self.scaled_random_effects**2))
 
     @property
     def random_effects_excess(self) -> float:
-        """Sum of squares of the random effects beyond the expected one, in its scatter [1]."""
-        random_effects = self.scaled_random_effects
-        return float(np.sum(random_effects**2) - random_effects.size) / math.sqrt(
-            2.0 * max(random_effects.size, 1)
-        )
+        """Sum of squares of the random effects less its expected value, over its scatter [1]."""
+        u = self.scaled_random_effects
+        return float(np.sum(u**2) - u.size) / math.sqrt(2.0 * max(u.size, 1))
 
     @property
     def has_unusual_base(self) -> bool:
-        """Whether pads and tyres are far from usual ones, as where they imitate what is missing."""
-        shared = np.where(self.prior.effect_names == "", self.state.shared, 0.0)
-        return bool(
-            shared @ self.prior.precision @ shared > _BENT * np.sum(self.prior.effect_names == "")
-        )
+        """Whether pads and tyres are far from usual ones, as if they imitate a missing effect."""
+        is_base = self.prior.effect_names == ""
+        base = np.where(is_base, self.state.shared, 0.0)
+        return bool(base @ self.prior.precision @ base > _UNUSUAL * np.sum(is_base))
 
     def worth_of(self, name: str) -> float:
-        """ln of the evidence that an effect gains, without its price, by a linear step."""
+        """Gain of ln of the evidence by an effect, without its price, by the linear model.
+
+        Only the strength, its first element, counts.
+        """
         i = int(np.argmax(self.prior.effect_names == name))
         return float(0.5 * self.state.x[i] ** 2 / self.covariance[i, i])
 
     @property
-    def alone(self) -> Self:
-        """The same without columns, for a worker process that only predicts."""
-        return replace(self, problem=self.problem.alone, columns=[], further_columns=[])
+    def for_worker(self) -> Self:
+        """The fit without columns, for a worker process that only predicts."""
+        return replace(self, problem=self.problem.for_worker, columns=[], further_columns=[])
 
     @property
     def base(self) -> Base:
-        """Base parameters, with the form of the tyres."""
-        return based(self.problem, self.hypothesis, self.state)[0]
+        """Base parameters, with the discrepancies of the tyres."""
+        return base_and_effects(self.problem, self.hypothesis, self.state)[0]
 
     @property
     def effects(self) -> Effects:
-        """Effects of the vehicle file and of the hypothesis, with its term."""
-        return based(self.problem, self.hypothesis, self.state)[1]
+        """Effects of the vehicle file and of the hypothesis, with its empirical term."""
+        return base_and_effects(self.problem, self.hypothesis, self.state)[1]
 
     @cached_property
     def runs(self) -> list[ObservedRun]:
@@ -141,28 +148,32 @@ class Fit:
 
     @property
     def lags(self) -> list[RunLag]:
-        """How the wheels of each run follow, for predictions nearby."""
-        return [made.lag for made in self.predictions]
+        """Lag of the wheels of each run, for predictions nearby."""
+        return [prediction.lag for prediction in self.predictions]
 
-    def moved(self, state: State) -> Self:
-        """The same at another state, with the columns of this one."""
-        predictions, r = of_all(self.problem, self.hypothesis, state)
+    def at_state(self, state: State) -> Self:
+        """Return the fit at another state, with the columns of the present one."""
+        predictions, r = predict_all(self.problem, self.hypothesis, state)
         return replace(self, state=state, predictions=predictions, innovations=r)
 
     def random_columns(self, i: int) -> Array:
-        """Derivatives (8, n) of a log by its random effects: by a factor as by what it is on."""
-        further_columns = dict(zip((*COURSES, *HEATS), self.further_columns[i], strict=True))
-        factors = {name: self.columns[i][NAMES.index(on)] for name, on in FACTOR_ON.items()}
-        return np.stack([(factors | further_columns)[name] for name in OWN])
+        """Derivatives (8, n) of the innovations of log ``i`` by its random effects.
+
+        That by a factor is the one by the base parameter which it multiplies.
+        """
+        derivatives = dict(zip((*OFFSETS, *HEATS), self.further_columns[i], strict=True))
+        for name, parameter in FACTOR_ON.items():
+            derivatives[name] = self.columns[i][BASE_NAMES.index(parameter)]
+        return np.stack([derivatives[name] for name in RANDOM_EFFECTS])
 
     def products_with(self, further: Sequence[Array]) -> list[Products]:
         """Inner products of each log, with ``further`` columns (c, n) behind the shared ones."""
-        return [
-            Products.from_columns(np.vstack([J, more]), self.random_columns(i), r, random_effects)
-            for i, (J, more, r, random_effects) in enumerate(
-                zip(self.columns, further, self.innovations, self.state.random_effects, strict=True)
-            )
-        ]
+        products = []
+        for i, r in enumerate(self.innovations):
+            shared = np.vstack([self.columns[i], further[i]])
+            u = self.state.random_effects[i]
+            products.append(Products.from_columns(shared, self.random_columns(i), r, u))
+        return products
 
     @cached_property
     def products(self) -> list[Products]:
@@ -172,22 +183,25 @@ class Fit:
     def marginal(
         self,
         products: list[Products] | None = None,
-        sizes: Array | None = None,
+        sigmas: Array | None = None,
         damping: float = 0.0,
     ) -> Marginal:
-        """The linear model of all logs, or of these ``products``, with columns behind or not.
+        """The linear model of all logs, or of the logs of ``products``, which may be more.
 
-        ``sizes`` (8,) standard deviations of the random effects, if not those of the hypothesis.
+        ``sigmas`` (8,) of the random effects are those of the hypothesis by default; ``damping`` is
+        that of `Products.marginalised`.
         """
-        sizes = self.hypothesis.sizes if sizes is None else sizes
-        products = products or self.products
         return Marginal.from_products(
-            products, sizes, self.prior.precision, self.state.shared, damping
+            self.products if products is None else products,
+            self.hypothesis.sigmas if sigmas is None else sigmas,
+            self.prior.precision,
+            self.state.shared,
+            damping,
         )
 
     @cached_property
     def covariance(self) -> Array:
-        """Covariance (m, m) of x; forms and random effects are marginalised."""
+        """Covariance (m, m) of x; discrepancies and random effects are marginalised."""
         m = self.state.x.size
         return np.asarray(np.linalg.inv(self.marginal().information)[:m, :m])
 
@@ -200,14 +214,14 @@ def innovations(
     return whiten(residuals(run, prediction), problem.noise)
 
 
-def of_all(
+def predict_all(
     problem: Problem,
     hypothesis: Hypothesis,
     state: State,
     lags: Iterable[RunLag | None] = repeat(None),
 ) -> tuple[list[Prediction], list[Array]]:
-    """Prediction and innovations (n,) of each log."""
-    base, effects = based(problem, hypothesis, state)
+    """Prediction and innovations (n,) of each log; ``lags`` as for `predict`."""
+    base, effects = base_and_effects(problem, hypothesis, state)
     runs = runs_of(problem, state.random_effects)
     predictions = [
         predict(problem.vehicle, base, effects, run, lag)
@@ -218,71 +232,72 @@ def of_all(
 
 
 def runs_of(problem: Problem, random_effects: Array) -> list[ObservedRun]:
-    """The runs with these ``random_effects`` (runs, 8)."""
-    return [
-        run.with_random_effects(states)
-        for run, states in zip(problem.runs, random_effects, strict=True)
-    ]
+    """Return the runs with these ``random_effects`` (runs, 8)."""
+    pairs = zip(problem.runs, random_effects, strict=True)
+    return [run.with_random_effects(u) for run, u in pairs]
 
 
 def linearised(
     problem: Problem, hypothesis: Hypothesis, state: State, near: Sequence[Array] = ()
 ) -> Fit:
-    """Return a hypothesis at a state, with its columns; see `with_columns`."""
-    predictions, r = of_all(problem, hypothesis, state)
+    """Return a hypothesis at a state, with its columns; ``near`` as for `with_columns`."""
+    predictions, r = predict_all(problem, hypothesis, state)
     return with_columns(Fit(problem, hypothesis, state, predictions, r, [], []), near)
 
 
 def with_columns(fit: Fit, near: Sequence[Array] = ()) -> Fit:
-    """Return the same with the columns of its state, by differences.
+    """Return the fit with the columns of its state, by differences.
 
-    ``near`` are columns of each log at a state nearby: those by the first elements of x and, last,
-    by the form are taken from there.
+    ``near`` are columns of each log at a state nearby, which may have fewer elements of x. Columns
+    by the elements that both have, and by the discrepancy, are taken from there.
     """
-    state, m, k = fit.state, fit.state.x.size, fit.state.form.size
-    first = len(near[0]) - k if near else 0
+    state, m, k = fit.state, fit.state.x.size, fit.state.discrepancy.size
+    shared = len(near[0]) - k if near else 0
     steps = np.where(state.x + _STEP < fit.prior.high[:m], _STEP, -_STEP)
-    moved = [replace(state, x=state.x + step) for step in np.diag(steps)[first:]]
-    J = _differences(fit, moved, steps[first:])
-    form = near or _by_form(fit)
-    parts = zip(near or form, J, form, strict=True)
-    J = [np.vstack([a[:first], b, fit.hypothesis.has_discrepancy * c[-k:]]) for a, b, c in parts]
+    moved = [replace(state, x=state.x + step) for step in np.diag(steps)[shared:]]
+    by_rest = _differences(fit, moved, steps[shared:])
+    by_given = [x[:shared] for x in near or by_rest]
+    by_discrepancy = [x[-k:] for x in near or _by_discrepancy(fit)]
+    columns = [  # zero for a discrepancy that the hypothesis lacks
+        np.vstack([first, rest, fit.hypothesis.has_discrepancy * last])
+        for first, rest, last in zip(by_given, by_rest, by_discrepancy, strict=True)
+    ]
     if FADE in fit.effects:
-        heat = random_columns_of(fit, (FRONT_HEAT, REAR_HEAT))
+        heat = random_derivatives(fit, (FRONT_HEAT, REAR_HEAT))
     else:
         heat = [np.zeros((2, r.size)) for r in fit.innovations]
-    further_columns = [np.vstack(both) for both in zip(fit.problem.courses, heat, strict=True)]
-    return replace(fit, columns=J, further_columns=further_columns)
+    pairs = zip(fit.problem.offset_columns, heat, strict=True)
+    return replace(fit, columns=columns, further_columns=[np.vstack(pair) for pair in pairs])
 
 
-def _by_form(fit: Fit) -> list[Array]:
-    """Derivatives (2 k, n) of the innovations of each log by the form of front and rear tyres."""
-    derivatives, hats = [], np.eye(FORM_AT.size)
+def _by_discrepancy(fit: Fit) -> list[Array]:
+    """Derivatives (2 k, n) of the innovations of each log by front and rear discrepancy.
+
+    A discrepancy at force j acts with a hat function of the normalised force (shares (k, 4, n)).
+    """
+    derivatives, hats = [], np.eye(DISCREPANCY_FORCES.size)
     for run, prediction in zip(fit.problem.runs, fit.predictions, strict=True):
+        forces = prediction.normalised_force
         shares = np.stack(
-            [[np.interp(use, FORM_AT, hat) for use in prediction.use] for hat in hats]
+            [[np.interp(force, DISCREPANCY_FORCES, hat) for force in forces] for hat in hats]
         )
-        omega = np.stack([shares * prediction.lost] * 2)
+        omega = np.stack([shares * prediction.slip_speed] * 2)  # front, rear discrepancy
         omega[0, :, 2:], omega[1, :, :2] = 0.0, 0.0
         derivatives.append(whiten(of_wheels(run, np.concatenate(omega)), fit.problem.noise))
     return derivatives
 
 
-def random_columns_of(fit: Fit, states: Sequence[int]) -> list[Array]:
-    """Derivatives of the innovations of each log by some of its random effects, by their places."""
-    steps = _STEP_OF_OWN * sizes(KINDS)
-    moved = [
-        replace(fit.state, random_effects=fit.state.random_effects + np.diag(steps)[k])
-        for k in states
-    ]
-    return _differences(fit, moved, steps[list(states)])
+def random_derivatives(fit: Fit, places: Sequence[int]) -> list[Array]:
+    """Derivatives (j, n) of the innovations of each log by its random effects at ``places``."""
+    steps, u = _STEP_OF_RANDOM * random_sigmas(GROUPS), fit.state.random_effects
+    moved = [replace(fit.state, random_effects=u + np.diag(steps)[place]) for place in places]
+    return _differences(fit, moved, steps[list(places)])
 
 
 def _differences(fit: Fit, moved: Sequence[State], steps: Array) -> list[Array]:
-    """Derivatives (m, n) of the innovations of each log, each by a state that has moved."""
-    moved_innovations = [of_all(fit.problem, fit.hypothesis, state, fit.lags)[1] for state in moved]
+    """Derivatives (j, n) of the innovations of each log from j ``moved`` states, by ``steps``."""
+    by_state = [predict_all(fit.problem, fit.hypothesis, state, fit.lags)[1] for state in moved]
     return [
-        (np.array([other[i] for other in moved_innovations]).reshape(-1, r.size) - r)
-        / steps[:, None]
+        (np.array([r_moved[i] for r_moved in by_state]).reshape(-1, r.size) - r) / steps[:, None]
         for i, r in enumerate(fit.innovations)
     ]

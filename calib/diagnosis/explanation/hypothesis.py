@@ -1,4 +1,9 @@
-"""What may explain the logs: effects by name, kinds in which logs differ, a term; and its state."""
+"""What may explain the logs: effects by name, groups in which logs differ, an empirical term.
+
+A `Hypothesis` says which of them act, a `State` how large they are. Effects have parameters, the
+`Element` of x behind the base; an empirical term has values, a `Walk` at the end of x. `prior_of`
+is the prior of a hypothesis, `base_and_effects` the physics of a state.
+"""
 
 from dataclasses import dataclass, replace
 
@@ -10,17 +15,17 @@ from calib.car.effects.catalogue import definition
 from calib.car.effects.effect import Parameter
 from calib.car.effects.effects import Effects, EmpiricalTerm
 from calib.diagnosis.explanation.base import (
-    BASE,
-    FORM_LIMIT,
-    FORM_PRIOR,
+    BASE_NAMES,
+    BASE_SIZE,
+    DISCREPANCY_LIMIT,
+    DISCREPANCY_PRECISION,
     HIGH,
     LOW,
-    NAMES,
-    OWN,
+    RANDOM_EFFECTS,
     Base,
     base_of,
     base_sigma,
-    sizes,
+    random_sigmas,
 )
 from calib.diagnosis.explanation.problem import Problem
 
@@ -32,31 +37,31 @@ _IN_EVERY_CAR = frozenset({"aerodynamic_drag", "rolling_resistance", "rolling_ra
 
 STRENGTH = 2.0  # standard deviation of the strength of an effect, in spreads of its card
 _FURTHER = 1.0  # the same of its further parameters
-PRICE = 5.0  # ln of the odds, before logs are read, against an effect or a kind they differ in
-_PHASE = 2.0  # the same, for each run, for the angle at which a ripple begins: it was taken from it
+PRICE = 5.0  # ln of the prior odds against an effect, or a group in which logs differ
+_PHASE = 2.0  # the same, for each run, for the angle of a ripple, which the run itself has given
 _FIRST = 5.0  # standard deviation of the first value of a walk, in increments
-_BEGIN = 0.25  # logarithm of the peak from which a fit begins, over the usual one
+_START_OF_PEAK = 0.25  # x of the tyre's peak from which a fit begins: above the usual one
 
 
 @dataclass(frozen=True)
 class State:
-    """``x`` of base and effects as for `based`, ``form`` (2 k,), ``random_effects`` (runs, 8)."""
+    """``x`` of base, effects and walk, ``discrepancy`` (2 k,), ``random_effects`` (runs, 8)."""
 
     x: Array
-    form: Array
+    discrepancy: Array
     random_effects: Array
 
     @property
     def shared(self) -> Array:
-        """What all logs share: x and the form (m + 2 k,)."""
-        return np.concatenate([self.x, self.form])
+        """What all logs share: x and the discrepancy (m + 2 k,)."""
+        return np.concatenate([self.x, self.discrepancy])
 
 
 @dataclass(frozen=True)
 class Walk:
     """An empirical term whose values at the ``knots`` of its driver are a random walk.
 
-    ``size`` is the standard deviation of an increment, the first value has `_FIRST` times that [1].
+    ``size`` is the standard deviation of an increment; the first value has `_FIRST` times that [1].
     """
 
     place: str
@@ -73,60 +78,61 @@ class Walk:
 
     @property
     def limit(self) -> float:
-        """Largest value [1]: of a brake torque, and of a force over the weight."""
+        """Largest value, as a share of a brake torque, or of the weight for a force [1]."""
         return 0.9 if self.place.endswith("brakes") else 0.1
 
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """Effects by name, and the kinds in which logs differ, see `calib.diagnosis.explanation.base`.
+    """Effects by their ``names``, and the ``groups`` of random effects in which logs differ.
 
-    And those in which they are ``alike``; with a ``walk`` over a driver, where something is left
-    that no effect explains; ``has_discrepancy`` whether tyres may depart from their form.
+    Logs are ``alike`` in other groups. A ``walk`` stands for whatever no effect explains.
+    ``has_discrepancy`` says whether the slip of tyres may depart from its formula.
     """
 
     names: tuple[str, ...] = ()
-    kinds: frozenset[str] = frozenset()
+    groups: frozenset[str] = frozenset()
     alike: frozenset[str] = frozenset()
     walk: Walk | None = None
     has_discrepancy: bool = True
 
     @property
     def key(self) -> object:
-        """What it says, whatever its order."""
-        return frozenset(self.names), self.kinds, self.walk
+        """Names, groups and walk, whatever their order: equal for equal explanations."""
+        return frozenset(self.names), self.groups, self.walk
 
     @property
     def parts(self) -> frozenset[str]:
-        """All that it says."""
-        return frozenset(self.names) | self.kinds
+        """Names and groups."""
+        return frozenset(self.names) | self.groups
 
     @property
-    def sizes(self) -> Array:
-        """Standard deviations (8,) of what each log has of its own."""
-        return sizes(self.kinds, self.alike)
+    def sigmas(self) -> Array:
+        """Standard deviations (8,) of the random effects of a log."""
+        return random_sigmas(self.groups, self.alike)
 
     def price(self, runs: int) -> float:
-        """ln of the odds against it before so many logs are read."""
-        parts = len(self.names) + len(self.kinds) + (self.walk is not None)
-        return PRICE * parts + self.phases(runs)
+        """ln of the prior odds against the hypothesis, for a number of ``runs``."""
+        parts = len(self.names) + len(self.groups) + (self.walk is not None)
+        return PRICE * parts + self.price_of_angles(runs)
 
     @property
-    def expected(self) -> float:
-        """The part of these odds that is of effects in every car: none where logs cannot tell."""
+    def price_of_usual(self) -> float:
+        """The part of the price that is of effects in every car."""
         return PRICE * len(_IN_EVERY_CAR & {*self.names})
 
-    def phases(self, runs: int) -> float:
-        """The part of these odds that is the angles at which its effects begin."""
+    def price_of_angles(self, runs: int) -> float:
+        """The part of the price that is of the angles at which ripples begin, one for each run."""
         return _PHASE * runs * len(set(_TURNING) & set(self.names))
 
 
 @dataclass(frozen=True)
 class Element:
-    """A ``parameter`` of an ``effect``: x in units of its spread, counted from its ``origin``.
+    """The element x of a ``parameter`` of an ``effect``: in units of its spread, from its origin.
 
-    That is the value of the vehicle file, if it has any; else the neutral one for a strength, the
-    typical one for any other parameter. ``sigma`` is the standard deviation of the prior on x.
+    The ``origin`` is the value of the vehicle file, if it has any; else the neutral value for a
+    strength, the typical one for a further parameter. ``sigma`` is the standard deviation of the
+    prior on x.
     """
 
     effect: str
@@ -145,13 +151,13 @@ class Element:
         return (self.parameter.high - self.origin) / self.parameter.spread
 
     def value(self, x: float) -> float:
-        """The parameter [SI]."""
+        """The parameter at ``x`` [SI]."""
         p = self.parameter
         return min(max(self.origin + x * p.spread, p.low), p.high)
 
 
 def elements_of(effects: Effects, name: str) -> list[Element]:
-    """The parameters of one effect, beside those that the vehicle file has."""
+    """Return the elements of one effect; ``effects`` are those of the vehicle file."""
     card = definition(effects, name).card
     values = effects.parameters.get(name, {card.parameters[0].name: card.neutral})
     sigmas = [STRENGTH, *[_FURTHER] * (len(card.parameters) - 1)]
@@ -159,17 +165,18 @@ def elements_of(effects: Effects, name: str) -> list[Element]:
     return [Element(name, p, values.get(p.name, p.typical), sigma) for p, sigma in pairs]
 
 
-def elements(problem: Problem, names: tuple[str, ...]) -> list[Element]:
-    """The parameters of all these effects, which stand behind the base."""
-    return [one for name in names for one in elements_of(problem.vehicle.effects, name)]
+def _elements(problem: Problem, names: tuple[str, ...]) -> list[Element]:
+    """The elements of all these effects, which stand behind the base."""
+    effects = problem.vehicle.effects
+    return [element for name in names for element in elements_of(effects, name)]
 
 
 @dataclass(frozen=True)
 class Prior:
-    """Of all that logs share, x and the form of tyres (m + 2 k,): normal about zero.
+    """Prior of all that logs share, x and discrepancy (m + 2 k,): normal about zero.
 
-    With this ``precision`` (m + 2 k, m + 2 k), from ``low`` to ``high``. ``effect_names``
-    (m + 2 k,) of the effect that has each, "" for base, walk and form.
+    It has a ``precision`` (m + 2 k, m + 2 k) and is cut at ``low`` and ``high``. ``effect_names``
+    (m + 2 k,) are those of the effect that has each element, "" for base, walk and discrepancy.
     """
 
     effect_names: NDArray[np.str_]
@@ -182,38 +189,49 @@ def prior_of(problem: Problem, hypothesis: Hypothesis) -> Prior:
     """Return the prior of a hypothesis, before the logs are read."""
     from scipy.linalg import block_diag
 
-    of_effects = elements(problem, hypothesis.names)
-    walks = [] if hypothesis.walk is None else [hypothesis.walk]
-    most = [*(walk.limit for walk in walks for _ in walk.knots), *len(FORM_PRIOR) * [FORM_LIMIT]]
+    elements = _elements(problem, hypothesis.names)
+    limits = len(DISCREPANCY_PRECISION) * [DISCREPANCY_LIMIT]
+    precisions = [DISCREPANCY_PRECISION]
+    walk = hypothesis.walk
+    if walk is not None:
+        limits = [*len(walk.knots) * [walk.limit], *limits]
+        precisions = [walk.precision, *precisions]
     slowest = max(run.step / run.averaged for run in problem.runs)
-    sigma = np.append(base_sigma(slowest), [one.sigma for one in of_effects])
-    effects = [one.effect for one in of_effects]
+    sigma = np.append(base_sigma(slowest), [element.sigma for element in elements])
+    names = [element.effect for element in elements]
     return Prior(
-        np.array([*BASE * [""], *effects, *len(most) * [""]]),
-        np.concatenate([LOW, [one.low for one in of_effects], np.negative(most)]),
-        np.concatenate([HIGH, [one.high for one in of_effects], most]),
-        block_diag(np.diag(sigma**-2.0), *(walk.precision for walk in walks), FORM_PRIOR),
+        np.array([*BASE_SIZE * [""], *names, *len(limits) * [""]]),
+        np.concatenate([LOW, [element.low for element in elements], np.negative(limits)]),
+        np.concatenate([HIGH, [element.high for element in elements], limits]),
+        block_diag(np.diag(sigma**-2.0), *precisions),
     )
 
 
-def based(problem: Problem, hypothesis: Hypothesis, state: State) -> tuple[Base, Effects]:
-    """Base and effects of a state."""
-    car_effects, parameters = problem.vehicle.effects, dict[str, dict[str, float]]()
-    for one, fit in zip(elements(problem, hypothesis.names), state.x[BASE:].tolist(), strict=False):
-        parameters.setdefault(one.effect, {})[one.parameter.name] = one.value(fit)
-    effects = car_effects.with_(Effects(parameters))
-    if (walk := hypothesis.walk) is not None:
-        values_of_walk = tuple(state.x[-len(walk.knots) :].tolist())
-        term = EmpiricalTerm(walk.place, walk.driver, walk.knots, values_of_walk)
+def base_and_effects(
+    problem: Problem, hypothesis: Hypothesis, state: State
+) -> tuple[Base, Effects]:
+    """Return base and effects of a state; those of the vehicle file are among the effects."""
+    parameters: dict[str, dict[str, float]] = {}
+    elements = _elements(problem, hypothesis.names)
+    for element, x in zip(elements, state.x[BASE_SIZE:].tolist(), strict=False):
+        parameters.setdefault(element.effect, {})[element.parameter.name] = element.value(x)
+    effects = problem.vehicle.effects.with_(Effects(parameters))
+    walk = hypothesis.walk
+    if walk is not None:
+        values = tuple(state.x[-len(walk.knots) :].tolist())
+        term = EmpiricalTerm(walk.place, walk.driver, walk.knots, values)
         effects = replace(effects, terms=(term,))
-    base = base_of(problem.vehicle, state.x[:BASE])
-    return replace(base, form=state.form.reshape(base.form.shape)), effects
+    base = base_of(problem.vehicle, state.x[:BASE_SIZE])
+    return replace(base, discrepancy=state.discrepancy.reshape(base.discrepancy.shape)), effects
 
 
 def start_of(problem: Problem) -> State:
-    """Where a fit without effects begins: at a high peak, as forces past it tell nothing of it."""
+    """State from which a fit without effects begins.
+
+    Its peak is high: forces beyond the peak of the model would say nothing of the peak.
+    """
     return State(
-        _BEGIN * np.eye(BASE)[NAMES.index("peak")],
-        np.zeros(len(FORM_PRIOR)),
-        np.zeros((len(problem.runs), len(OWN))),
+        _START_OF_PEAK * np.eye(BASE_SIZE)[BASE_NAMES.index("peak")],
+        np.zeros(len(DISCREPANCY_PRECISION)),
+        np.zeros((len(problem.runs), len(RANDOM_EFFECTS))),
     )

@@ -1,12 +1,15 @@
-"""How the force of a tyre follows that in balance: the inertia of the wheel on the tyre's spring.
+"""Lag of the force F of a tyre behind the torque T on the wheel, by the inertia J of the wheel.
 
-    tau sigma/v F'' + tau F' + F = u      tau = J v/(R^2 F_z K)
+    wheel   J omega' = R F - T
+    tyre    sigma/v ds'/dt + s' = 1 - R omega/v      F = F_z K s'
 
-Wheel: J omega' = R F - T. Tyre: sigma/v ds'/dt + s' = 1 - R omega/v and F = F_z K s'. Here u is the
-force at which the wheel is in balance, and sigma the relaxation length. The wheel swings at
+    tau sigma/v F'' + tau F' + F = u                 tau = J v/(R^2 F_z K)
+
+u is the force at which the wheel is in balance, sigma the relaxation length, s' the slip of the
+contact patch, K the slope of the tyre curve at that slip. The wheel swings at
 R sqrt(F_z K/(J sigma)), 20 to 40 Hz, the less damped the slower the car; without a relaxation
 length it follows with the time constant tau of 2 to 10 ms. Source: Pacejka, Tyre and Vehicle
-Dynamics, 3rd ed., ch. 7 and 8. K is the slope of the tyre at the slip that it has.
+Dynamics, 3rd ed., ch. 7 and 8.
 """
 
 from dataclasses import dataclass
@@ -18,74 +21,79 @@ from calib.base.arrays import Array
 from calib.car.braking import MOVING
 
 _SHORTEST = 1e-3  # relaxation length [m] that counts as none: far stiffer than any tyre
-_LEAST = 1e-6  # least time constant [s]; root of two alike, in steps [1]
+_LEAST = 1e-6  # least time constant [s], and least difference of two roots [1/steps]
 
 
 @dataclass(frozen=True)
 class WheelLag:
-    """The motion of some wheels over each step of a clock, if coefficients hardly change over one.
+    """The motion of k wheels over each step of a clock, if coefficients hardly change over a step.
 
-    Exact for an input that is a parabola through a sample, the one before and the one after. A disc
-    turns by up to 1 rad in a step: straight lines between samples would take a twentieth of its
-    ripple.
+    It is exact for an input that is a parabola through a sample, the one before and the one after.
+    A disc turns by up to 1 rad in a step: straight lines between the samples would lose a twentieth
+    of its ripple.
 
-    ``way`` sigma/v [s] (n,); ``step`` h [s]; ``band`` (4, 2 k n) the lower triangle of the
-    recursion over forces F and rates h F' by turns, of k wheels; ``taps`` (2, 3, k, n - 1) what the
-    last three inputs add to each of both.
+    ``relaxation_time`` is sigma/v [s] (n,), ``step`` h [s]. ``band`` (4, 2 k n) is the lower
+    triangle of the recursion over F and h F' in turn. ``taps`` (2, 3, k, n - 1) are what each of
+    the last three inputs adds to F and to h F'.
     """
 
-    way: Array
+    relaxation_time: Array
     step: float
     band: Array
     taps: Array
 
     @classmethod
     def from_tau(cls, time_constant: Array, relaxation: float, v: Array, step: float) -> Self:
-        """From tau [s] (k, n), the relaxation length [m], speed [m/s] (n,) and step [s]."""
-        way = max(relaxation, _SHORTEST) / np.maximum(v, MOVING)
-        times = np.maximum(time_constant, _LEAST)[:, 1:] / step, way[1:] / step
-        free = _free(*times)
+        """Build it from tau [s] (k, n), relaxation length [m], speed [m/s] (n,) and step [s]."""
+        relaxation_time = max(relaxation, _SHORTEST) / np.maximum(v, MOVING)
+        tau_steps = np.maximum(time_constant, _LEAST)[:, 1:] / step
+        relaxation_steps = relaxation_time[1:] / step
+        free = _free(tau_steps, relaxation_steps)
         band = np.zeros((*time_constant.shape, 2, 4))
         for j in range(2):  # from F, and from h F'
             band[:, :-1, j, 2 - j : 4 - j] = -np.moveaxis(free[:, j], 0, -1)
-        return cls(way, step, band.reshape(-1, 4).T, _taps(*times, free))
+        taps = _taps(tau_steps, relaxation_steps, free)
+        return cls(relaxation_time, step, band.reshape(-1, 4).T, taps)
 
     def follow(self, balance: Array) -> tuple[Array, Array]:
-        """Force [N] and rate [N/s] for that in ``balance`` [N], where it starts; (..., k, n)."""
+        """Force [N] and rate [N/s] for the forces ``balance`` u [N], from rest; (..., k, n)."""
         from scipy.linalg.lapack import dtbtrs
 
         u, u_next = balance[..., :-1], balance[..., 1:]
-        u_last = np.concatenate([2.0 * u[..., :1] - u_next[..., :1], u[..., :-1]], axis=-1)
+        u_previous = np.concatenate([2.0 * u[..., :1] - u_next[..., :1], u[..., :-1]], axis=-1)
         right = np.zeros((*balance.shape, 2))
         right[..., 0, 0] = balance[..., 0]
-        for row, (old, middle, new) in enumerate(self.taps):
-            right[..., 1:, row] = old * u_last + middle * u + new * u_next
+        for row, (previous, middle, following) in enumerate(self.taps):
+            right[..., 1:, row] = previous * u_previous + middle * u + following * u_next
         columns = right.reshape(-1, self.band.shape[1]).T
         out = dtbtrs(self.band, columns, uplo="L", diag="U", overwrite_b=1)[0].T
         force, rate = np.moveaxis(out.reshape(right.shape), -1, 0)
         return force.copy(), rate / self.step
 
 
-def _free(tau: Array, way: Array) -> Array:
+def _free(tau: Array, relaxation: Array) -> Array:
     """e^A (2, 2, k, m) of F and F' over a step without an input; times in steps.
 
-    A = [[0, 1], [-1/(tau way), -1/way]], its roots mean + root and mean - root.
+    A = [[0, 1], [-1/(tau relaxation), -1/relaxation]]; its eigenvalues are mean + root and
+    mean - root.
     """
-    mean = -0.5 / way
-    root = np.sqrt(mean**2 - 1.0 / (tau * way) + 0.0j)  # imaginary where the wheel swings
+    mean = -0.5 / relaxation
+    root = np.sqrt(mean**2 - 1.0 / (tau * relaxation) + 0.0j)  # imaginary where the wheel swings
     root = np.where(root == 0.0, _LEAST, root)
     slow, fast = np.exp(mean + root), np.exp(mean - root)
     even, odd = 0.5 * (slow + fast).real, (0.5 * (slow - fast) / root).real
-    return np.array([[even - odd * mean, odd], [-odd / (tau * way), even + odd * mean]])
+    return np.array([[even - odd * mean, odd], [-odd / (tau * relaxation), even + odd * mean]])
 
 
-def _taps(tau: Array, way: Array, free: Array) -> Array:
-    """What an input of 1 before, in the middle and after a step adds to F and F', times in steps.
+def _taps(tau: Array, relaxation: Array, free: Array) -> Array:
+    """What an input of 1 before, at the begin and at the end of a step adds to F and F'.
 
-    For u = level + slope t + bend t^2/2 the motion settles to u - tau u' + tau (tau - way) u''.
+    Times are in steps. For the parabola u = level + slope t + bend t^2/2 the motion settles to
+    u - tau u' + tau (tau - relaxation) u''; the way to it is that without an input.
     """
-    each = np.array([[0.0, 1.0, 0.0], [-0.5, 0.0, 0.5], [1.0, -2.0, 1.0]])
-    level, slope, bend = each[:, :, None, None]
-    force, rate = level - tau * slope + tau * (tau - way) * bend, slope - tau * bend
-    ended = np.array([force + rate + 0.5 * bend, rate + bend])
-    return np.asarray(ended - np.einsum("ij...,jk...->ik...", free, np.array([force, rate])))
+    # level, slope and bend of the parabolas through 1, 0, 0; through 0, 1, 0; through 0, 0, 1
+    parabolas = np.array([[0.0, 1.0, 0.0], [-0.5, 0.0, 0.5], [1.0, -2.0, 1.0]])
+    level, slope, bend = parabolas[:, :, None, None]
+    force, rate = level - tau * slope + tau * (tau - relaxation) * bend, slope - tau * bend
+    at_end = np.array([force + rate + 0.5 * bend, rate + bend])
+    return np.asarray(at_end - np.einsum("ij...,jk...->ik...", free, np.array([force, rate])))

@@ -48,6 +48,6 @@ def test_the_mean_squared_innovation_of_noise_alone_scatters_as_told():
             omega = made.omega + 0.02 * rng.standard_normal(made.omega.shape)
             runs.append(replace(run, z=-a_x / G, omega=omega))
         at = fitted(problem_of(problem.vehicle, runs))
-        drawn.append((at.reduced - 1.0) / at.scatter)
+        drawn.append((at.mean_square - 1.0) / at.scatter)
     assert abs(np.mean(drawn)) < 1.5
     assert 0.3 < np.std(drawn) < 2.0

@@ -9,11 +9,11 @@ import calib
 from calib.base.arrays import Array
 from calib.car.effects.effects import Effects
 from calib.car.vehicle import Vehicle
-from calib.diagnosis.explanation.base import LOW, NAMES, OWN
+from calib.diagnosis.explanation.base import BASE_NAMES, LOW, RANDOM_EFFECTS
 from calib.diagnosis.explanation.fit import Fit, innovations, linearised
-from calib.diagnosis.explanation.hypothesis import Hypothesis, State, based, start_of
+from calib.diagnosis.explanation.hypothesis import Hypothesis, State, base_and_effects, start_of
 from calib.diagnosis.explanation.problem import Problem
-from calib.diagnosis.replays import without_form
+from calib.diagnosis.replays import without_discrepancy
 from calib.model.sensor_noise import add_noise
 from tests.support.effect_runs import SEDAN
 from tests.support.explained import asked, asked_of, fitted
@@ -22,7 +22,7 @@ from tests.support.plant import Plant, magic
 from tests.support.reference_car import CAR, noisy, ramp, stop
 
 DRAG, FADE = "aerodynamic_drag", "pad_thermal_fade"
-STEPS = dict(zip(OWN, (1e-3, 1e-3, 1e-3, 1e-3, 1e-3, 1e-2, 5.0, 5.0), strict=True))
+STEPS = dict(zip(RANDOM_EFFECTS, (1e-3, 1e-3, 1e-3, 1e-3, 1e-3, 1e-2, 5.0, 5.0), strict=True))
 """Half the differences by which own states are moved, in their units."""
 
 
@@ -42,7 +42,7 @@ def fading() -> Fit:
     random_effects = np.zeros_like(start.random_effects)
     random_effects[:, -2:] = 150.0, -40.0
     x = np.concatenate([start.x + 0.02, [2.0, 0.0]])
-    state = State(x, 0.02 * np.cos(np.arange(start.form.size)), random_effects)
+    state = State(x, 0.02 * np.cos(np.arange(start.discrepancy.size)), random_effects)
     return linearised(problem, hypothesis, state)
 
 
@@ -51,10 +51,10 @@ def same(found: Array, expected: Array, within: float) -> bool:
     return bool(np.linalg.norm(found - expected) <= within * np.linalg.norm(expected))
 
 
-@pytest.mark.parametrize("name", OWN)
+@pytest.mark.parametrize("name", RANDOM_EFFECTS)
 def test_columns_of_own_states_are_differences_of_innovations(fading, name):
-    base, effects = based(fading.problem, fading.hypothesis, fading.state)
-    k, h = OWN.index(name), STEPS[name]
+    base, effects = base_and_effects(fading.problem, fading.hypothesis, fading.state)
+    k, h = RANDOM_EFFECTS.index(name), STEPS[name]
     for i, run in enumerate(fading.problem.runs):
         ends = []
         for step in (h, -h):
@@ -68,22 +68,22 @@ def test_columns_of_own_states_are_differences_of_innovations(fading, name):
 
 def test_columns_of_the_form_are_differences_of_predictions(fading):
     columns = [J[fading.state.x.size :] for J in fading.columns]
-    for k in range(fading.state.form.size):
+    for k in range(fading.state.discrepancy.size):
         ends = []
         for step in (1e-3, -1e-3):
-            form = fading.state.form.copy()
-            form[k] += step
-            ends.append(fading.moved(replace(fading.state, form=form)).innovations)
+            discrepancy = fading.state.discrepancy.copy()
+            discrepancy[k] += step
+            ends.append(fading.at_state(replace(fading.state, discrepancy=discrepancy)).innovations)
         for found, above, below in zip(columns, *ends, strict=True):
             assert same(found[k], (above - below) / 2e-3, 1e-6)
     reached = [np.any(found, axis=1).sum() for found in columns]
     assert min(reached) >= 6  # knots of both axles up to half a g
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", BASE_NAMES)
 def test_a_base_parameter_acts_at_its_lower_bound(fading, name):
     """Else a fit that comes there stays: nothing shows it the way out."""
-    k = NAMES.index(name)
+    k = BASE_NAMES.index(name)
     x = fading.state.x.copy()
     x[k] = LOW[k]
     found = linearised(fading.problem, fading.hypothesis, replace(fading.state, x=x))
@@ -100,10 +100,10 @@ def test_a_hard_stop_shows_a_peak_above_the_usual_one():
     peak = 1.15
     front_biased = replace(CAR, rear=replace(CAR.rear, piston_area=0.6 * CAR.rear.piston_area))
     found = fitted(hard(front_biased, Plant(front_biased, tyre=magic(18.0, peak, 1.55))))
-    assert found.reduced < 1.15
+    assert found.mean_square < 1.15
     assert found.base.tyre.peak == pytest.approx(peak, rel=0.06)
-    model = without_form(found)  # as it is simulated
-    assert model.reduced < 1.15
+    model = without_discrepancy(found)  # as it is simulated
+    assert model.mean_square < 1.15
 
 
 @pytest.fixture(scope="module")

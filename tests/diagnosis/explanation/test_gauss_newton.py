@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 import calib
-from calib.diagnosis.explanation.base import BASE
+from calib.diagnosis.explanation.base import BASE_SIZE
 from calib.diagnosis.explanation.fit import linearised
 from calib.diagnosis.explanation.gauss_newton import fit_logs
 from calib.diagnosis.explanation.hypothesis import Hypothesis, start_of
@@ -19,7 +19,7 @@ def test_no_parameter_alone_is_better_elsewhere():
     logs = [calib.read_log(LATE / f"calibration/{run}.parquet") for run in ("release", "step_high")]
     problem = asked(calib.read_vehicle(LATE / "vehicle.toml"), logs)
     at = fit_logs(problem, Hypothesis(), start_of(problem))
-    for step in np.vstack([size * np.eye(BASE) for size in (-0.1, -0.01, 0.01, 0.1)]):
-        x = np.clip(at.state.x + step, at.prior.low[:BASE], at.prior.high[:BASE])
+    for step in np.vstack([size * np.eye(BASE_SIZE) for size in (-0.1, -0.01, 0.01, 0.1)]):
+        x = np.clip(at.state.x + step, at.prior.low[:BASE_SIZE], at.prior.high[:BASE_SIZE])
         other = linearised(problem, at.hypothesis, replace(at.state, x=x), at.columns)
         assert at.squares - other.squares < 1e-3 * (at.squares - at.count)

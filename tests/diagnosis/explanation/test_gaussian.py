@@ -76,7 +76,7 @@ def test_the_evidence_is_the_density_of_all_rows(seed):
 @SEEDS
 def test_what_is_behind_raises_the_evidence_as_the_density_of_all_rows(seed):
     drawn, sd = Drawn.of(seed), 1.5
-    E, g = drawn.marginal().beyond()
+    E, g = drawn.marginal().eliminated()
     H = E + np.eye(BEHIND) / sd**2
     gain = 0.5 * (g @ np.linalg.solve(H, g) - np.linalg.slogdet(sd**2 * H)[1])
     assert gain == pytest.approx(drawn.log_density(sd) - drawn.log_density(), abs=1e-8)
@@ -91,7 +91,7 @@ def test_own_states_step_to_the_least_squares_of_their_log(seed):
         N, r = drawn.own[i][use], drawn.r[i] + dx[:-1] @ drawn.shared[i]
         rows = np.vstack([N.T, np.diag(1.0 / SIZES[use])])
         aim = -np.concatenate([r, drawn.state[i][use] / SIZES[use]])
-        G, step, _ = one.reduced(SIZES)
+        G, step, _ = one.marginalised(SIZES)
         du, squares, *_ = np.linalg.lstsq(rows, aim, rcond=None)
         assert_allclose(-(step @ dx)[use], du, atol=1e-9)
         assert not np.any(step[~use])

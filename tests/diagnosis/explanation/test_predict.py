@@ -31,7 +31,7 @@ def test_a_plant_with_the_same_physics_is_predicted(run):
     held = slice(200, -10)
     assert told.a_x[held] == pytest.approx(run.a_x[held], abs=2e-3)
     # half of what a speed's noise is, after 16 m/s of braking
-    assert told.gained[held] == pytest.approx((run.v_read - run.v_read[0])[held], abs=1e-2)
+    assert told.speed_gain[held] == pytest.approx((run.v_read - run.v_read[0])[held], abs=1e-2)
     assert told.omega[:, held] == pytest.approx(run.omega[:, held], abs=2e-2)
 
 
