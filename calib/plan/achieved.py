@@ -86,10 +86,7 @@ class Achieved(NamedTuple):
 
 
 def compare(plan: PlannedRuns, table: Table, logs: Sequence[Log], mass: MassUsed) -> Achieved:
-    """Compare the half widths of a table with those of a plan.
-
-    ``logs`` and ``mass`` are those of the fit.
-    """
+    """Compare a plan with the ``table`` of a fit and the ``logs`` and ``mass`` of that fit."""
     achieved = widths_of(table)
     pairs = zip(achieved, plan.after, strict=True)
     reached = all(width <= _WIDER * planned for width, planned in pairs)

@@ -97,10 +97,7 @@ class Plan:
 
 
 def plan(prior: Prior, want: Want, workers: int = 1) -> Plan:
-    """Find a plan; the number of processes does not change it.
-
-    Raises LogError, with all reasons, if no ramp can be driven here.
-    """
+    """Find a plan, the same for any number of ``workers``. Raises LogError without a ramp."""
     with parallel_map(workers, "calib.plan.search") as in_parallel:
         medians = partial(_medians, in_parallel)
         start = medians(prior, [()], 1)[0] if prior.logs else before_any_run(prior)

@@ -36,7 +36,7 @@ STORED, CHANGED = "stored", "changed"
 SIGNED = "signed"  # an event in the lines of older programs; it changes no state
 _START = "0" * 64  # head of an empty journal
 
-_TEXT = r'"[^"\\]*+(?:\\.[^"\\]*+)*+"'
+_TEXT = r'"[^"\\]*+(?:\\.[^"\\]*+)*+"'  # a string of JSON
 _EVIDENCE = rf'\{{"name":{_TEXT},"sha256":{_TEXT}\}}'
 _LINE = re.compile(
     rf'\{{"at":{_TEXT},"by":{_TEXT},"digest":"(?P<digest>\w*)","event":"(?P<event>\w*)",'

@@ -65,42 +65,32 @@ class _CurvesOfCars(NamedTuple):
 
 def mean_curves(tables: Sequence[Table]) -> tuple[dict[str, Any], RandomEffects]:
     """Return the curves of a mean table by name, and the scatter of D."""
-    differences = _on_common_axis(1.0, [vars(table.difference) for table in tables])
-    tyres = _on_common_axis(0.0, [vars(table.tyre) for table in tables])
+    differences = _on_common_axis(1.0, [[*vars(table.difference).values()] for table in tables])
+    tyres = _on_common_axis(0.0, [[*vars(table.tyre).values()] for table in tables])
     D_scatter, tyre_scatter = (
         random_effects(curves.values, curves.per_run_variance) for curves in (differences, tyres)
     )
     difference = DifferenceCurve(*_columns(differences, D_scatter))
     tyre = TyreCurve(*_columns(tyres, tyre_scatter))
-    z = np.mean(
-        [np.interp(differences.axis, table.paper.eta, table.paper.z) for table in tables], axis=0
-    )
-    paper = paper_of(tables[0].vehicle, difference, z)
+    z = [np.interp(differences.axis, table.paper.eta, table.paper.z) for table in tables]
+    paper = paper_of(tables[0].vehicle, difference, np.mean(z, axis=0))
     return {"difference": difference, "paper": paper, "tyre": tyre}, D_scatter
 
 
-def _on_common_axis(start: float, curves: Sequence[dict[str, Array]]) -> _CurvesOfCars:
+def _on_common_axis(start: float, curves: Sequence[Sequence[Array]]) -> _CurvesOfCars:
     """Interpolate one curve of each car to an axis from ``start`` to the end of the shortest.
 
-    ``curves`` have the columns of `DifferenceCurve` or `TyreCurve`, whose first two differ in name.
+    Each curve is the list of its columns, in the order of `DifferenceCurve`: the axis is the first.
     """
-    axes = [next(iter(curve.values())) for curve in curves]
-    axis = np.linspace(start, min(float(x[-1]) for x in axes), max(x.size for x in axes))
-    # (columns, k, n): all columns but the axis
-    _, *columns = zip(*(curve.values() for curve in curves), strict=True)
-    values, lower, upper, count, flag, own = (
-        np.array([np.interp(axis, x, column) for x, column in zip(axes, of_cars, strict=True)])
-        for of_cars in columns
+    end, rows = min(float(curve[0][-1]) for curve in curves), max(curve[0].size for curve in curves)
+    axis = np.linspace(start, end, rows)
+    values, lower, upper, count, flag, own = (  # (k, n) each
+        np.array([np.interp(axis, curve[0], curve[i]) for curve in curves]) for i in range(1, 7)
     )
     variance = ((upper - lower) / (2.0 * Z95)) ** 2
-    return _CurvesOfCars(
-        axis=axis,
-        values=values,
-        per_run_variance=variance * own,
-        shared_variance=variance * (1.0 - own),
-        blocks=np.rint(count.sum(axis=0)),
-        flag=np.ceil(np.median(flag, axis=0)),  # an even number of cars: the worse middle one
-    )
+    blocks = np.rint(count.sum(axis=0))
+    middle_flag = np.ceil(np.median(flag, axis=0))  # of two middle ones the worse
+    return _CurvesOfCars(axis, values, variance * own, variance * (1.0 - own), blocks, middle_flag)
 
 
 def _columns(curves: _CurvesOfCars, scatter: RandomEffects) -> tuple[Array, ...]:
@@ -164,8 +154,8 @@ def mean_maps(tables: Sequence[Table]) -> tuple[PadMap, LevelMap, Draws]:
 def one_more(tables: Sequence[Table], size: int = _SIZE) -> Draws:
     """Return ``size`` draws of one more car, by a fixed random sequence.
 
-    The cars take part alike. T is cut at the 97.5 % quantile of Student's t, since with two or
-    three cars it has no bound and a compliance would overflow.
+    The cars count alike. T is cut at the 97.5 % quantile of Student's t: with few cars it may be so
+    large that a compliance overflows.
     """
     draws = [vars(table.draws) for table in tables]
     k, rng = len(draws), np.random.default_rng(42)

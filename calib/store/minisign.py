@@ -85,10 +85,7 @@ def read_public_key(source: Path | str) -> PublicKey:
 
 
 def read_secret_key(path: Path, password: Callable[[], str]) -> SecretKey:
-    """Read a secret key file. Raises KeyFileError.
-
-    ``password`` is called if the key is encrypted.
-    """
+    """Read a secret key; ``password`` is called if the key is encrypted. Raises KeyFileError."""
     key_class, content = _library().SecretKey, _content(path)
     with _library_errors_as(KeyFileError, path, "a secret key of minisign"):
         key = key_class.from_bytes(content)

@@ -40,7 +40,7 @@ class _Signed:
     note: str = ""
 
     def to_dict(self) -> dict[str, object]:
-        """The JSON document of a signature."""
+        """Return the JSON document of a signature."""
         return {
             "table": self.stored.id,
             "digest": self.stored.digest,
@@ -169,26 +169,26 @@ def _verified(snapshot: Snapshot, stored: Stored, public: PublicKey) -> _Signed:
     """Return a version with its valid signature. Raises SignatureRefused."""
     path = signature_file(stored.path.parent, stored.version)
     if not path.exists():
-        raise _refused(stored, "has no signature")
+        raise _refusal(stored, "has no signature")
     signature = read_signature(path)
     if signature.key_id != public.key_id:
-        raise _refused(stored, f"is signed by key {signature.key_id}, not by {public.key_id}")
+        raise _refusal(stored, f"is signed by key {signature.key_id}, not by {public.key_id}")
     verify(public, _record(stored), signature, path)
     line = _signed_line(snapshot, signature, path)
     history = snapshot.journal.versions(stored.name)[stored.version]
     signed_states = [entry.state for entry in history if entry.number <= line]
     if not signed_states:
-        raise _refused(stored, "was signed before it was stored")
+        raise _refusal(stored, "was signed before it was stored")
     state = signed_states[-1]
     changes = [entry for entry in history if entry.number > line and entry.state != state]
     if changes:
         last = changes[-1].document
         since = f"{last['state']} since (by {last['by']}, {last['at'][:10]})"
-        raise _refused(stored, f"signed as {state}, {since}")
+        raise _refusal(stored, f"signed as {state}, {since}")
     return _Signed(stored, path, public.key_id, signature.trusted_comment)
 
 
-def _refused(stored: Stored, flaw: str) -> SignatureRefused:
+def _refusal(stored: Stored, flaw: str) -> SignatureRefused:
     do = f"sign it as it is now, with `brake-cal tables sign {stored.id} --key SECRET`"
     return SignatureRefused(flaw, where=stored.id, do=do)
 

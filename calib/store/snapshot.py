@@ -1,7 +1,7 @@
 """A store at one moment.
 
-To read a version is to compare it with its digests, with the name of its folder, and with the
-journal. A folder of a version that is not in the journal is a stray folder.
+Every read compares a version with its digests, the name of its folder, and the journal. A stray
+folder is the folder of a version that is not in the journal.
 """
 
 from dataclasses import dataclass, replace
@@ -60,10 +60,7 @@ class Snapshot:
 
     @property
     def names(self) -> list[str]:
-        """Names of the tables, in order.
-
-        Raises TableNotFound without a store, DamagedTable where versions have no journal.
-        """
+        """Names of the tables. Raises TableNotFound without a store, DamagedTable."""
         if not self.folder.is_dir():
             do = "`brake-cal fit` makes one, --store names another"
             raise TableNotFound("no table store here", where=self.folder, do=do)

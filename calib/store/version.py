@@ -96,10 +96,7 @@ def write_version(table: Table, version: int, path: Path) -> None:
 
 
 def read_version(path: Path, expected_id: str | None = None) -> Stored:
-    """Read a version, and compare it with its digests and with ``expected_id``, if that is given.
-
-    Raises DamagedTable, StoreError.
-    """
+    """Read a version; compare its digests and ``expected_id``. Raises DamagedTable, StoreError."""
     from calib.base.record import validated
     from calib.store.record_file import RecordFile, table_of
 

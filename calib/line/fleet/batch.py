@@ -27,8 +27,7 @@ from calib.logs.read import FORMATS
 _CHUNK = {Command.FIT: 2, Command.VALIDATE: 8, Command.CHECK: 8}
 """Largest number of logs in a chunk: its transfer is negligible against 10 ms for each log."""
 
-_CHUNKS_PER_WORKER = 3
-"""Submitted chunks for each worker: one in progress, two waiting."""
+_CHUNKS_PER_WORKER = 3  # submitted chunks for each worker: one in progress, two waiting
 
 
 def run_batch(

@@ -28,9 +28,7 @@ _REASON_P = 0.01
 FEWEST = 8
 """Fewest cars for a spread that can name outliers."""
 
-_CENSORED = 0.1
-"""Share of the cars of a side that is censored: the outermost."""
-
+_CENSORED = 0.1  # share of the cars of a side that is censored: the outermost
 _FREEDOM = np.array([1e6, 8.0, 4.0, 2.5])
 """Degrees of freedom of four Student distributions; the first is nearly the normal one."""
 _QUARTILE = np.array([1.15035, 1.24032, 1.34440, 1.49085])
@@ -39,8 +37,7 @@ _PRIOR = np.array([0.50, 0.25, 0.15, 0.10])
 """Prior share of each of the four among the sides of all metrics."""
 _PRIOR_WEIGHT = 0.5
 """Number of sides as which the prior counts: with more, cars 9 sigma off hide in small fleets."""
-_EM_STEPS = 30
-"""Steps of expectation and maximisation, after which the shares are constant."""
+_EM_STEPS = 30  # steps of expectation and maximisation, after which the shares are constant
 
 
 @dataclass(frozen=True)
@@ -96,7 +93,7 @@ def _sides(values: Array, least: float) -> list[tuple[Index, Array]]:
     if cars.size < FEWEST:
         return []
     centre = float(np.median(values[cars]))
-    deviation, no_difference = values[cars] - centre, max(least, 1e-12 * abs(centre))
+    deviation, no_difference = values[cars] - centre, max(least, 1e-12 * abs(centre))  # rounding
     if np.median(np.abs(deviation)) <= no_difference:  # half of the cars or more have one value
         differs = np.abs(deviation) > no_difference
         if np.count_nonzero(differs) >= FEWEST:

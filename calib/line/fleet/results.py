@@ -17,8 +17,7 @@ from calib.base.write import write_whole
 from calib.line.fleet.rows import HEAD, Column, Command, Row, Status, columns_of
 
 NAME = "results.parquet"
-_GROUP = 5000
-"""Number of rows in memory at a time."""
+_GROUP = 5000  # number of rows in memory at a time
 _EXPECTED = "results.parquet of `brake-cal batch`"
 
 

@@ -77,8 +77,7 @@ def _columns(*names: str, unit: str = "1", kind: type = float) -> tuple[Column, 
 HEAD = _columns("log", "digest", "status", "error", kind=str)
 """The first columns of every command."""
 
-_WARNED = _columns("warned", kind=str)
-"""Codes of the warnings of a log; null without a warning."""
+_WARNED = _columns("warned", kind=str)  # codes of the warnings of a log; null without a warning
 
 QUALITY = (
     *("deceleration_max", "front_biased_up_to", "eta_peak", "eta_peak_deceleration"),

@@ -15,11 +15,8 @@ from calib.line.fleet.outliers import OutlierTest, find_outliers
 from calib.line.fleet.results import FleetFile
 from calib.line.fleet.rows import Column, Status
 
-_MAD = 0.67449
-"""Median absolute deviation of the normal distribution with sigma 1."""
-
-_EXAMPLES = 3
-"""Largest number of logs that are named for a kind of error."""
+_MAD = 0.67449  # median absolute deviation of the normal distribution with sigma 1
+_EXAMPLES = 3  # largest number of logs that are named for a kind of error
 
 
 @dataclass(frozen=True)
@@ -64,15 +61,16 @@ class MetricSummary:
     @property
     def quantiles(self) -> dict[str, float]:
         """The quantiles 5, 25, 75 and 95 %, by percentage."""
-        return {f"{x}": float(np.quantile(self._values, x / 100.0)) for x in (5, 25, 75, 95)}
+        return {str(x): float(np.quantile(self._values, x / 100.0)) for x in (5, 25, 75, 95)}
 
     @property
     def _values(self) -> Array:
+        """The values, or one NaN without a value."""
         return self.values if self.values.size else np.full(1, np.nan)
 
     @property
     def inlier_range(self) -> tuple[float, float]:
-        """The quantiles 5 and 95 % of the values without outliers; of all values without these."""
+        """The quantiles 5 and 95 % of the inliers, or of all values if all are outliers."""
         inliers = self.values[~self.outlying]
         low, high = np.quantile(inliers if inliers.size else self.values, [0.05, 0.95])
         return float(low), float(high)

@@ -26,8 +26,7 @@ from calib.line.fleet.workers import Executor
 
 _RETRY = 60.0
 """Time after which a log that could not be read, or killed its worker, is tried again [s]."""
-_MAX_DELAY = 30.0
-"""Longest delay of the results file behind the journal while logs arrive [s]."""
+_MAX_DELAY = 30.0  # longest delay of the results file behind the journal while logs arrive [s]
 
 
 class _CompleteFiles:

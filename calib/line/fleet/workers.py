@@ -23,8 +23,7 @@ _PRELOADED = (
 )
 """Modules that a command imports late. The server from which workers are forked imports them."""
 
-_TIMEOUT = "10s"
-"""Longest wait for an answer of the scheduler, in Dask's spelling."""
+_TIMEOUT = "10s"  # longest wait for an answer of the scheduler, in Dask's spelling
 
 
 class Pool:

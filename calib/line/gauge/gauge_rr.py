@@ -2,10 +2,10 @@ r"""Gauge repeatability and reproducibility of a metric: variance components, %G
 
     y = mean + car_i + station_j + (car x station)_ij + repeat      all random but the mean
 
-These are the causes of scatter. `anova` splits the sum of squares by cause, in this order; each
-cause is adjusted for the causes before it (type I, Henderson's third method). The mean square MS of
-a cause is its sum of squares over its degrees of freedom. Expected mean squares are linear in the
-variances sigma^2 of the causes, with a matrix C that depends on the design only:
+The random terms are the causes of scatter. `anova` splits the sum of squares by cause, in this
+order; each cause is adjusted for the causes before it (type I, Henderson's third method). The mean
+square MS of a cause is its sum of squares over its degrees of freedom. Expected mean squares are
+linear in the variances sigma^2 of the causes, with a matrix C that depends on the design only:
 
     E[MS] = C sigma^2,      so the estimate is  sigma^2 = C^-1 MS
 
@@ -44,14 +44,9 @@ Codes = NDArray[np.int64]
 CAR, STATION, INTERACTION, REPEATABILITY = "car", "station", "car_by_station", "repeatability"
 REPRODUCIBILITY, GAUGE, TOTAL = "reproducibility", "gauge", "total"
 
-_RANK = 1e-9
-"""Singular value below which a direction counts as zero, over the norm of the columns."""
-
-_SIGMAS = 6.0
-"""Number of standard deviations of the gauge that AIAG compares with the tolerance."""
-_NDC = 1.41
-"""Factor of ndc: the square root of 2 as rounded by AIAG."""
-
+_RANK = 1e-9  # singular value below which a direction counts as zero, over the norm of the columns
+_SIGMAS = 6.0  # number of standard deviations of the gauge that AIAG compares with the tolerance
+_NDC = 1.41  # factor of ndc: the square root of 2 as rounded by AIAG
 _DRAWS = 20_000
 """Number of draws for an interval: the error of its ends is a few percent of its width."""
 
@@ -94,7 +89,9 @@ def terms_of(car: Codes, station: Codes) -> tuple[str, ...]:
     for name, codes in ((STATION, station), (INTERACTION, _cell(car, station))):
         extended = np.hstack([columns, _columns(codes)])
         rank = np.linalg.matrix_rank(extended)
-        if rank == np.linalg.matrix_rank(columns) or (name == INTERACTION and rank == car.size):
+        adds_nothing = rank == np.linalg.matrix_rank(columns)
+        leaves_no_repeats = name == INTERACTION and rank == car.size
+        if adds_nothing or leaves_no_repeats:
             break
         names.append(name)
         columns = extended
@@ -146,7 +143,7 @@ def _directions(Z: dict[str, Array]) -> dict[str, Array]:
 
 
 def _cell(car: Codes, station: Codes) -> Codes:
-    """Return another number for each pair of car and station."""
+    """Number the pairs of car and station."""
     return np.asarray(car * (int(np.max(station)) + 1) + station)
 
 
@@ -217,12 +214,8 @@ def gauge_rr(analysis: Anova, tolerance: float | None = None) -> GaugeRR:
     for name, variance in estimates.items():
         low, high = _interval(draws[name])
         components[name] = _Component(math.sqrt(variance), (math.sqrt(low), math.sqrt(high)))
-    gauge, (grr, ndc), (grr_draws, ndc_draws) = (
-        components[GAUGE],
-        _ratios(estimates),
-        _ratios(draws),
-    )
-    of_tolerance = None
+    (grr, ndc), (grr_draws, ndc_draws) = _ratios(estimates), _ratios(draws)
+    gauge, of_tolerance = components[GAUGE], None
     if tolerance:
         factor = _SIGMAS / tolerance
         low, high = gauge.ci95
@@ -239,7 +232,7 @@ def gauge_rr(analysis: Anova, tolerance: float | None = None) -> GaugeRR:
 
 @lru_cache(maxsize=16)  # 160 kB each; unbalanced designs seldom repeat their degrees of freedom
 def _chi2(nu: float, stream: int) -> Array:
-    """Return chi-square draws (_DRAWS,), always the same, so that a report is reproducible."""
+    """Return chi-square draws (_DRAWS,), the same in every run; each cause has its ``stream``."""
     return np.random.default_rng([20, stream]).chisquare(nu, _DRAWS)
 
 

@@ -41,8 +41,7 @@ _GOOD_GRR = 0.10
 METRICS = ("pad_scale", "pad_friction_f", "pad_friction_r", "eta_zero", "slip_stiffness")
 """Metrics of every ramp [1], see `metrics_of`."""
 
-_FIGURES = ("grr", "ndc", "grr_of_tolerance")
-"""Figures of each metric that are judged."""
+_FIGURES = ("grr", "ndc", "grr_of_tolerance")  # figures of each metric that are judged
 
 KNOWN_LIMITS = (*_FIGURES, *METRICS)
 """Names that a file of limits may have. The limit of a metric is its tolerance."""

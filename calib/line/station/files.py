@@ -43,7 +43,7 @@ def outputs_of(stops: Sequence[str], forms: Sequence[str]) -> list[str]:
 
 
 def why_not_exported(stored: Stored) -> str:
-    """Return why the station exports no table for an ECU; "" if it does export this one."""
+    """Return why the station does not export this table for an ECU; "" if it does."""
     if not stored.state.released:
         return "only a released table may reach an ECU"
     beyond = ", ".join(stored.table.not_sensed)

@@ -2,9 +2,9 @@
 
 A golden table is the released table of a good car, or the mean of several good cars. It must be of
 the same track: D = C (eta - 1) and the stiffness of the tyres depend on the road, the pads do not.
-D is compared where both tables have it.
+D is compared up to the end of the shorter curve.
 
-A golden mean gives the distance also in sigma of its cars:
+The mean of several cars gives the distance also in sigma of these cars:
 
     t = (car - mean)/sqrt(between^2 + error of the mean^2 + error of one run of the car^2)
 
@@ -47,7 +47,7 @@ def golden_table(store: Store, reference: str) -> Stored:
 def golden_metrics(table: Table, golden: Table) -> dict[str, float]:
     """Return the `golden_` metrics of a car that both tables give.
 
-    Metrics of D need an `_OVERLAP`, metrics in sigma a golden mean.
+    Metrics of D need an `_OVERLAP`, metrics in sigma a golden table of several cars.
     """
     pads, golden_pads = table.calibration, golden.calibration
     metrics = {
@@ -78,8 +78,9 @@ def _distance(table: Table, golden: Table, end: float) -> dict[str, float]:
     widths = [0.5 * np.interp(eta, curve.eta, curve.upper - curve.lower) for curve in curves]
     worst = int(np.argmax(np.abs(D - golden_D)))
     largest, width = float(np.abs(D - golden_D)[worst]), float(np.hypot(*widths)[worst])
-    without_width = math.inf if largest > 0.0 else 0.0
-    bands = largest / width if width > 0.0 else without_width
+    bands = 0.0
+    if largest > 0.0:
+        bands = largest / width if width > 0.0 else math.inf
     return {"golden_distance": largest / abs(golden.difference.peak[1]), "golden_bands": bands}
 
 

@@ -26,18 +26,12 @@ LIMITS = tuple(map(_limit, sorted(_JUDGED, key=lambda figure: METRICS[figure].ju
 
 
 def limits_of_car(path: Path | None) -> tuple[Limit, ...]:
-    """Return the limits of a file for a car and its stops. Raises LimitsError.
-
-    Without a file these are `LIMITS`.
-    """
+    """Return the limits of a file for car and stops, or else `LIMITS`. Raises LimitsError."""
     return read_limits(path, {*OF_STOPS, *OF_CAR}) if path else LIMITS
 
 
 def limits_of_stops(path: Path | None) -> tuple[Limit, ...]:
-    """Return the limits of a file for single stops. Raises LimitsError if it has none.
-
-    Without a file these are the `DEFAULTS` of `validate`.
-    """
+    """Return the limits of a file for single stops, or else `DEFAULTS`. Raises LimitsError."""
     if path is None:
         return DEFAULTS
     limits = tuple(limit for limit in limits_of_car(path) if limit.figure in OF_STOPS)

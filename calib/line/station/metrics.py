@@ -27,10 +27,8 @@ METRICS: dict[str, str] = meanings("car")
 
 _LOW, _HIGH = 0.10, 0.40
 """Range of deceleration [1] of a side difference: too noisy below, nonlinear tyres above."""
-_WIDEST = 0.05
-"""Half width of the 95 % interval [1] above which a side difference is not known."""
-_FEWEST = 8
-"""Least number of blocks of 0.2 s for an estimate of the scatter."""
+_WIDEST = 0.05  # half width of the 95 % interval [1] above which a side difference is not known
+_FEWEST = 8  # least number of blocks of 0.2 s for an estimate of the scatter
 
 
 def metrics_of(
@@ -93,7 +91,7 @@ def side_difference(table: Table, run: Run, axle: str) -> float | None:
     slips = [slip(wheel, log[f"omega_{axle}{side}"], speed) for side in "lr"]
     block = samples_in(LIMITS.wheel_block, driving.step)
     rolling = [block_mean(s[driving.unbraked], block) for s in slips]
-    if rolling[0].size < 3:
+    if rolling[0].size < 3:  # too few blocks for the scatter of the zero
         return None
     use = driving.braked & (driving.z > _LOW) & (driving.z < _HIGH) & (driving.speed > MOVING)
     zeroed = [block_mean(s[use], block) - np.mean(s0) for s, s0 in zip(slips, rolling, strict=True)]

@@ -33,8 +33,7 @@ from calib.table.table import Table
 STATION = "station"
 """Purpose of the plausibility rules for ramp and stops together, see `calib/base/rules.csv`."""
 
-_LONGEST = 64
-"""Largest number of characters of an identifier."""
+_LONGEST = 64  # largest number of characters of an identifier
 
 Identity = Mapping[str, str]
 """The identifiers that were given for a run, by their names in `TITLES`."""
