@@ -29,7 +29,7 @@ _NAMES = {
     "abs": "MATH(fabs)", "np.abs": "MATH(fabs)",
     "np.maximum": "largest", "np.minimum": "smallest", "np.clip": "clip",
     "math.exp": "exponential", "math.log": "logarithm", "math.sqrt": "MATH(sqrt)",
-    "np.sqrt": "MATH(sqrt)",
+    "np.exp": "exponential", "np.sqrt": "MATH(sqrt)",
 }  # fmt: skip
 _LOGIC = {" and ": " && ", " or ": " || ", " | ": " || ", "not ": "!"}
 

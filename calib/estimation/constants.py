@@ -53,6 +53,7 @@ class Constants:
     over: float = 1.0  # time after a release at which a stop is over [s]
     least_pressure: float = 2e5  # [Pa]
     least_z: float = 0.05  # below it eta says nothing [1]
+    unsteady: float = 0.36  # of the variance of eta while z changes: a body that pitches [1]
     usual_z: float = 0.1  # at which the maps are read before any braking [1]
     least_mean_z: float = 0.01  # below it there is none [1]
     least_share: float = 0.02  # of a level, or of the pressure that acts: below there is none [1]

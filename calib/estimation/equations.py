@@ -1,13 +1,14 @@
-"""The equations of a block, for Python and for C: `calib.ecu.translation` writes the latter.
+"""The equations of a block, in Python; `calib.ecu.translation` writes the same in C.
 
-    braking   d - d_0 = a u, u behind a lag of first order   level, its rate, lag: a Kalman filter
-              means of z and eta - 1 that forget
-    always    speed, offset and scale of a_x, slip           a Kalman filter: a_x carries the speed
-                                                             on, the wheels and v measure it
+    while braking   level of the pads a, its rate, lag     a Kalman filter of d - d_0 = a u
+                    means of z and eta - 1                 both forget
+    always          speed, slip, offset and scale of a_x   a Kalman filter: a_x predicts the speed,
+                                                           wheels and v measure it
 
-d is the brake force that the deceleration demands, u that of the nominal pads, both over the
-weight. d_0 holds rolling resistance, bias of a_x and pitch at rest. Without v only the wheels
-measure the speed; a difference from a_x that remains at low speed is an error of a_x, no slip.
+d is the brake force that the deceleration demands, u that of the nominal pads behind a lag of first
+order, both over the weight. d_0 is d while nothing brakes: rolling resistance, bias of a_x, pitch
+at rest. Without v only the wheels measure the speed: a difference from a_x that remains at low
+speed is an error of a_x, no slip. (S1) to (S16) are on `calib/manual/step.md`.
 """
 
 import math
@@ -426,13 +427,20 @@ def slip_evidence(
 
 
 def eta_error(c: Constants, s: BlockState[Array], z: Array) -> Array:
-    """Standard deviation of the mean of eta - 1 (k,) by wheels, zero, a changing z and the road."""
+    """Standard deviation of the mean of eta - 1 (k,).
+
+    Its causes are the noise of the wheels, the zero, a mean over decelerations that differ, a load
+    transfer that follows z late, and the road.
+    """
     speed = np.maximum(s.speed, 1.0)
     wheels = c.var_rim / (np.maximum(s.blocks, 1.0) * speed * speed)
-    # a mean over decelerations that differ is not the curve at their mean
-    nonlinearity = s.shift * np.maximum(s.z_squared / z**2 - 1.0, 0.0)
+    # While z changes, late axle loads change the slips, and the means are off the curve eta(z).
+    # Both errors grow with the variance of z in the means.
+    var_z = np.maximum(s.z_squared - z * z, 0.0)
+    slip, curved = np.exp(s.log_slip) * z, s.shift / (z * z)
+    unsteady = c.unsteady * var_z * (slip * slip + curved * curved * var_z)
     of_road = c.other_road * s.eta_by_drive  # known slips are those on the road of the ramp
-    return np.sqrt(wheels + s.eta_variance + nonlinearity**2 + of_road * of_road)
+    return np.sqrt(wheels + s.eta_variance + unsteady + of_road * of_road)
 
 
 def reason_of(
