@@ -74,20 +74,20 @@ def _template() -> "Template":
 def page_of(facts: Facts, again: int = 0, live: bool = False) -> str:
     """Return the page of the facts, which fetches nothing; equal facts give equal bytes.
 
-    A page with ``again`` above 0 loads itself again after so many seconds. It does not sort tables,
-    since each time the order would be lost. Pictures of a ``live`` page can be zoomed; this needs
-    Bokeh.
+    A page with ``again`` above 0 loads itself again after so many seconds, until a reader stops
+    that. Pictures of a ``live`` page can be zoomed; this needs Bokeh.
     """
-    sorting = _asset("tables.js") if not again and _has_long_table(facts) else ""
-    digest = base64.b64encode(hashlib.sha256(sorting.encode()).digest()).decode()
+    needed = {"reload.js": again > 0, "tables.js": _has_long_table(facts)}
+    acting = "".join(_asset(name) for name, is_needed in needed.items() if is_needed)
+    digest = base64.b64encode(hashlib.sha256(acting.encode()).digest()).decode()
     page = {
         "facts": facts,
         "again": again,
         "generator": _GENERATOR,
         "pictures": _Pictures(live),
         "drawing": _drawing,
-        "sorting": sorting,
-        "allowed": "'unsafe-inline'" if live else f"'sha256-{digest}'" if sorting else "'none'",
+        "acting": acting,
+        "allowed": "'unsafe-inline'" if live else f"'sha256-{digest}'" if acting else "'none'",
         "warned": _warned,
     }
     return _template().render(page).lstrip()

@@ -27,11 +27,11 @@ from calib.show.sheet import Sheet
 from calib.show.style import FRONT, NOMINAL, as_text, names_below, reach
 
 _LAST = 30
-"""Runs that are shown in full, failed ones on top; the others are in a table below."""
+"""Number of runs in the first table, which has failed ones on top; all others are below."""
 _DRAWN, _TITLE = 200, 50
-"""Runs in a trend, the last of them; letters of a title that have room above a panel."""
+"""Number of runs in a trend; letters of a title that have room above a panel."""
 _AROUND = np.array([0.85, 1.15])
-"""Least range of an axis without limits, over the median."""
+"""Smallest range of an axis without limits, over the median [1]."""
 _EVERY = 10
 """Seconds after which `LIVE` loads itself again."""
 _TORQUES = ("torque_per_bar_f", "torque_per_bar_r")
@@ -50,12 +50,15 @@ def write_index(folder: Path) -> int:
 
 
 def index_facts(runs: Sequence[IndexedRun], name: str, every: int = 0) -> Facts:
-    """Facts of the ``runs``, the last first, on a page that reloads ``every`` [s]; 0: never."""
+    """Return the facts of the ``runs``, of which the last comes first.
+
+    Their page loads itself again every so many seconds; never with 0.
+    """
     last = runs[0] if runs else None
     words = (PASSED, WARNING, FAILED, NO_VERDICT, UNREADABLE)
     counts = {word: sum(run.verdict == word for run in runs) for word in words}
-    page, other = ("This page", INDEX) if every else (LIVE, "this page")
-    ranks = (FAILED, WARNING, PASSED)  # of equal ones the last is first
+    reloading, still = ("This page", INDEX) if every else (LIVE, "this page")
+    ranks = (FAILED, WARNING, PASSED)  # of equal ones the last run is first
     shown = sorted(runs[:_LAST], key=lambda run: ranks.index(_verdict(run)))
     return Facts(
         name,
@@ -64,46 +67,55 @@ def index_facts(runs: Sequence[IndexedRun], name: str, every: int = 0) -> Facts:
         word=f"{last.car or last.place}: {_heading(last)}" if last else "No run yet",
         numbers=[
             ("car" if len(runs) == 1 else "cars", str(len(runs))),
-            *((w, str(n)) for w, n in counts.items() if n),
+            *((word, str(count)) for word, count in counts.items() if count),
         ],
         tables=[_table(shown, "The last cars, failed and refused ones on top.")],
-        notes=[f"{page} reloads itself every {_EVERY} s; {other} stays as it is."],
+        notes=[f"{reloading} reloads itself every {_EVERY} s; {still} stays as it is."],
         pictures=_trends(runs[:_DRAWN]),
         parts=[Facts("Earlier cars", tables=[_table(runs[_LAST:])])],
     )
 
 
 def _verdict(run: IndexedRun) -> str:
-    """Verdict by which a run is coloured and sorted."""
+    """Return the verdict by which a run is coloured and sorted; one without a verdict failed."""
     return run.verdict if run.verdict in (PASSED, WARNING) else FAILED
 
 
 def _trends(runs: Sequence[IndexedRun]) -> list[Picture]:
-    """The metrics with two values or more over the runs, with their limits."""
-    panels = []
-    for key in TRENDS:
-        trends = [(run.car or run.place, (run.trend or {}).get(key)) for run in reversed(runs)]
-        values = {(i, car): x for i, (car, x) in enumerate(trends) if x is not None}
-        if len(values) < 2:
-            continue
-        shown, x = metric_of(key), np.arange(float(len(values)))
-        y = shown.factor * np.array([*values.values()])
-        bounds = next((run.limits[key] for run in runs if run.limits and key in run.limits), ())
-        ends = [shown.factor * end for end in bounds if end is not None]
-        title = f"{shown.name}: {shown.value(float(y[-1] / shown.factor))} {shown.unit}"
-        points = Line(x, y, {**FRONT, "marker": "."})
-        limits = [Line(x[[0, -1]], [end] * 2, NOMINAL) for end in ends]
-        title, unit = textwrap.fill(as_text(title), _TITLE), as_text(f"[{shown.unit or '1'}]")
-        panels.append(
-            Panel(key, title, "car, the last on the right", unit, [points, *limits],
-                  xlim=(-0.5, x.size - 0.5), xticks=names_below([car for _, car in values]),
-                  ylim=reach(y, np.array(ends), *([] if ends else [np.median(y) * _AROUND])))
-        )  # fmt: skip
+    """Return one picture of the metrics over the ``runs``, with limits; [] for fewer than two."""
+    panels = [panel for panel in (_trend(runs, key) for key in TRENDS) if panel]
     caption = f"Brakes and zero of the ramp, of the last {_DRAWN} cars at most; grey: the limits."
     return [Picture(caption, lambda: Sheet("trend", "trend", tuple(panels)))] if panels else []
 
 
+def _trend(runs: Sequence[IndexedRun], key: str) -> Panel | None:
+    """Return the panel of one metric, the last run on the right; None for fewer than two values."""
+    measured = [run for run in reversed(runs) if run.trend and run.trend.get(key) is not None]
+    if len(measured) < 2:
+        return None
+    metric, x = metric_of(key), np.arange(float(len(measured)))
+    values = np.array([run.trend[key] for run in measured if run.trend])
+    limits = next((run.limits[key] for run in runs if run.limits and key in run.limits), ())
+    y, ends = metric.factor * values, [metric.factor * end for end in limits if end is not None]
+    least = [] if ends else [np.median(y) * _AROUND]
+    title = f"{metric.name}: {metric.value(float(values[-1]))} {metric.unit}"
+    return Panel(
+        key,
+        textwrap.fill(as_text(title), _TITLE),
+        "car, the last on the right",
+        as_text(f"[{metric.unit or '1'}]"),
+        [
+            Line(x, y, {**FRONT, "marker": "."}),
+            *(Line(x[[0, -1]], [end] * 2, NOMINAL) for end in ends),
+        ],
+        xlim=(-0.5, x.size - 0.5),
+        xticks=names_below([run.car or run.place for run in measured]),
+        ylim=reach(y, np.array(ends), *least),
+    )
+
+
 def _table(runs: Sequence[IndexedRun], caption: str = "") -> Table:
+    """Return a table with a row for each run, which links the report of the run."""
     rows = []
     for run in runs:
         trend = run.trend or {}
@@ -126,7 +138,7 @@ def _heading(run: IndexedRun) -> str:
 
 
 def _why(run: IndexedRun) -> str:
-    """First broken limit with its next step, and the number of others."""
+    """Return the first broken limit of a run with its next step, and the number of others."""
     if run.verdict == UNREADABLE:
         return "what the run wrote is damaged: run the car again"
     if run.verdict == NO_VERDICT:

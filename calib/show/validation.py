@@ -1,4 +1,4 @@
-"""Facts of a validation: the verdict, the ECU beside the best estimate, what comes next."""
+"""Facts of a validation: the verdict, torques stop by stop, the next step, all metrics."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -37,14 +37,20 @@ _PROOFS = {
     "itself would not show",
     NONE: "nothing: the logs hold neither torques nor v",
 }
+"""What the answers of the ECU are checked against, in words."""
 _V_NOT_USED = "nothing: no torques, and v is late, held or beside no sample that is valid"
-"""What logs with a v that cannot be used are checked against."""
+"""The same for logs whose v cannot be used."""
 _BESIDE = "Means over the valid samples with 95 % intervals; an ECU has no speed v."
+"""Caption of the ECU's answers beside those of the best estimate."""
 
 
 @dataclass(frozen=True)
 class Validated:
-    """A table judged by logs, in full or as exported (``how``); other ``files`` by role."""
+    """A stored table, and the ``results`` of judging it on logs.
+
+    ``how`` is the precision in which it was exported; None for the table in full. ``files`` are the
+    other inputs by their roles.
+    """
 
     stored: Stored
     results: Sequence[Validation]
@@ -53,22 +59,14 @@ class Validated:
 
 
 def validation_facts(judged: Validated) -> Facts:
-    """The verdict, stop by stop, with each warning."""
-    stored, results, how = judged.stored, judged.results, judged.how
-    in_order = sorted(results, key=lambda result: result.passed)
+    """Return the verdict, the torques of each stop, the pictures, the metrics and all warnings."""
+    stored, results = judged.stored, judged.results
+    in_order = sorted(results, key=lambda result: result.passed)  # failed ones first
     logs, (limits, unknown) = [(r.role, r.log, r.digest) for r in results], stop_by_stop(results)
     warnings = [*stored.table.warnings, *(w for result in results for w in result.all_warnings)]
-    failed, proof = not all(result.passed for result in in_order), proof_of(list(results))
+    failed, proof = not all(result.passed for result in results), proof_of(list(results))
     verdict = FAILED if failed else WARNING if warnings else PASSED
     budgets = [result.budget for result in in_order if result.budget]
-    broken_limits = {r.log: [NO_HOLDOUT] if r.role == CALIBRATION else broken(r) for r in in_order}
-    rows = [(log, text) for log, texts in broken_limits.items() for text in texts]
-    if any(result.role == HOLDOUT for result in in_order):
-        v_unused = proof == NONE and any("v" in r.estimate.ran.log for r in results)
-        rows.append(("checked against", _V_NOT_USED if v_unused else _PROOFS[proof]))
-    rows += [("as exported", str(how))] if how else []
-    rows += [("largest uncertainty", limiting_parts(budget)) for budget in budgets[:1]]
-    rows.append(("unseen errors", unseen_line(unseen_in(stored, results))))
     details = Facts(
         "The ECU beside the best estimate",
         tables=[beside_best(stored, in_order)],
@@ -77,7 +75,7 @@ def validation_facts(judged: Validated) -> Facts:
             ("mass", str(in_order[0].mass)),
             *_limiting(in_order),
         ],
-        notes=advice_lines((of for budget in budgets for of in budget), STOP),
+        notes=advice_lines((of_axle for budget in budgets for of_axle in budget), STOP),
     )
     return Facts(
         title=f"Validation of {stored.id}",
@@ -85,7 +83,7 @@ def validation_facts(judged: Validated) -> Facts:
         verdict=verdict,
         word=CONSISTENT.capitalize() if proof == NONE and not failed else WORDS[verdict],
         tables=[by_stop(in_order)],
-        rows=rows,
+        rows=_rows(judged, in_order, proof),
         next=_next(stored, in_order),
         warnings=warnings,
         parts=[
@@ -97,31 +95,51 @@ def validation_facts(judged: Validated) -> Facts:
     )
 
 
+def _rows(judged: Validated, results: Sequence[Validation], proof: str) -> list[Row]:
+    """Return the limits that each log breaks, and what the verdict rests on."""
+    rows, budgets = list[Row](), [result.budget for result in results if result.budget]
+    for result in results:
+        reasons = [NO_HOLDOUT] if result.role == CALIBRATION else broken(result)
+        rows += [(result.log, reason) for reason in reasons]
+    if any(result.role == HOLDOUT for result in results):
+        has_unused_v = proof == NONE and any("v" in r.estimate.ran.log for r in results)
+        rows.append(("checked against", _V_NOT_USED if has_unused_v else _PROOFS[proof]))
+    if judged.how:
+        rows.append(("as exported", str(judged.how)))
+    if budgets:
+        rows.append(("largest uncertainty", limiting_parts(budgets[0])))
+    return [*rows, ("unseen errors", unseen_line(unseen_in(judged.stored, judged.results)))]
+
+
 def _outcome(stored: Stored, results: list[Validation]) -> str:
-    """On how many stops the table holds its limits; torques, their errors, change of the pads."""
-    failed, stops = [result.log for result in results if not result.passed], len(results)
-    texts = [f"{stored.id} holds on {stops - len(failed)} of {counted(stops, 'stop')}"]
+    """Return on how many stops the table holds, and the largest error of the torques.
+
+    For a single stop also its torques, and how its pads changed since the ramp.
+    """
+    passed, stops = sum(result.passed for result in results), len(results)
+    texts = [f"{stored.id} holds on {passed} of {counted(stops, 'stop')}"]
     if stops == 1:
-        answer = torque.in_words(torque.ecu_means(results[0]))
-        texts += [answer] * bool(answer)
-    if compared := [one for one in map(torque.errors, results) if one.values]:
-        worst = max(compared, key=lambda one: max(one.values[:2]))
+        texts.append(torque.in_words(torque.ecu_means(results[0])))
+    compared = [errors for errors in map(torque.errors, results) if errors.values]
+    if compared:
+        worst = max(compared, key=lambda errors: max(errors.values[:2]))
         texts.append(f"front / rear within {worst.of_axles} of {torque.AGAINST[worst.against]}")
-    if stops == 1 and not failed and (change := _change(stored, results[0])) is not None:
+    change = _change(stored, results[0])
+    if stops == passed == 1 and change is not None:
         percent = round(100.0 * abs(change))
         how = f"{percent} % {'weaker' if change < 0.0 else 'stronger'} than" if percent else "as"
         texts.append(f"pads {how} on the ramp")
-    return "; ".join(texts)
+    return "; ".join(filter(None, texts))
 
 
-def _change(stored: Stored, r: Validation) -> float | None:
-    """Pad level of the ECU in a stop over that of the ramp, less 1."""
-    level = r.figures["ecu_pad_level"] if r.figures["valid_share"] else None
+def _change(stored: Stored, result: Validation) -> float | None:
+    """Return the change of the ECU's pad level since the ramp [1]; None if it is not known."""
+    level = result.figures["ecu_pad_level"] if result.figures["valid_share"] else None
     return None if level is None else level / stored.table.calibration.pad_scale.value - 1.0
 
 
 def _next(stored: Stored, results: list[Validation]) -> str:
-    """Next step; stops whose pads differ prove nothing of a table."""
+    """Return the next step; stops of one road whose pads differ do not prove a table."""
     together = agreement(results)
     if any(result.role == CALIBRATION for result in results):
         return "validate again without the logs of the fit"
@@ -137,7 +155,7 @@ def _next(stored: Stored, results: list[Validation]) -> str:
 
 
 def by_stop(results: Sequence[Validation]) -> Table:
-    """Brake torques of each stop as an ECU has them, and the error of the total."""
+    """Return a table with the ECU's brake torques in each stop, and their errors."""
     rows = [
         (r.log, *torque.ecu_means(r), torque.errors(r).of_axles, valid(r.figures), word(r))
         for r in results
@@ -147,51 +165,44 @@ def by_stop(results: Sequence[Validation]) -> Table:
 
 
 def beside_best(stored: Stored, results: Sequence[Validation]) -> Table:
-    """Torques and pads of each stop: of the ECU, of the best estimate, and as they are."""
-    rows = [(r.log, *cells) for r in results for cells in _answers(stored, r)]
+    """Return a table with torques and pads of each stop: ECU, best estimate, error, truth."""
+    rows = [(result.log, *cells) for result in results for cells in _answers(stored, result)]
     pads_of = [f"{axle} pads" for axle in AXLE_NAMES.values()]
     heads = ("stop", "answer", *torque.HEADS, *pads_of, "since ramp", "valid")
     return Table(heads, rows, _BESIDE)
 
 
 def _answers(stored: Stored, r: Validation) -> Iterator[Sequence[str]]:
+    """Yield the rows of a stop in the table of `beside_best`, without the name of the stop."""
     figures, columns, used = r.figures, r.estimate.columns(), torque.valid_samples(r)
     change = _change(stored, r)
     since = UNKNOWN if change is None else signed_percent(change)
-    yield (
-        *("ECU", *torque.means(columns, used), *(pads(figures, axle, "ecu_") for axle in "fr")),
-        *(since, valid(figures)),
-    )
+    ecu_pads = [pads(figures, axle, "ecu_") for axle in "fr"]
+    yield "ECU", *torque.means(columns, used), *ecu_pads, since, valid(figures)
     with_v = "best, with v" if r.estimate.blocks.v is not None else "best, without v"
     share = metric_of("valid_share").with_unit(figures["valid_share"])
-    yield (
-        *(with_v, *torque.means(columns, used & r.estimate.valid, "")),
-        *(*(pads(figures, axle) for axle in "fr"), "", share),
-    )
-    if (error := torque.errors(r)).values:
+    best_pads = [pads(figures, axle) for axle in "fr"]
+    yield with_v, *torque.means(columns, used & r.estimate.valid, ""), *best_pads, "", share
+    error = torque.errors(r)
+    if error.values:
         yield f"ECU against {torque.AGAINST[error.against]}", *error.texts, *[""] * 4
     if true := torque.true_means(r, used):
-        names = ("true_pad_friction_f", "true_pad_friction_r")
-        pads_ = ("" if figures[name] is None else f"{figures[name]:.3f}" for name in names)
-        yield "truth", *true, *pads_, "", ""
+        values = [figures[f"true_pad_friction_{axle}"] for axle in "fr"]
+        true_pads = ["" if value is None else f"{value:.3f}" for value in values]
+        yield "truth", *true, *true_pads, "", ""
 
 
 def _limiting(results: list[Validation]) -> list[Row]:
-    """Samples that are not valid, and agreement."""
-    together = agreement(results)
-    return [
-        *(
-            (r.log, f"{100.0 * share:.0f} % of the braked samples are not valid: {why}")
-            for r in results
-            for why, share in r.refused.items()
-        ),
-        *(
-            (
-                ", ".join(road.stops),
-                "on roads alike, pad friction differs from the mean by up to "
-                f"{100.0 * road.spread_f:.1f} % front and {100.0 * road.spread_r:.1f} % rear",
-            )
-            for road in (together.roads if together else ())
-            if road.spread_f is not None and road.spread_r is not None
-        ),
+    """Return why samples are not valid, and how far the pads differ between stops of one road."""
+    rows = [
+        (result.log, f"{100.0 * share:.0f} % of the braked samples are not valid: {reason}")
+        for result in results
+        for reason, share in result.refused.items()
     ]
+    together = agreement(results)
+    for road in together.roads if together else ():
+        if road.spread_f is not None and road.spread_r is not None:
+            differ = f"{100.0 * road.spread_f:.1f} % front and {100.0 * road.spread_r:.1f} % rear"
+            text = f"on roads alike, pad friction differs from the mean by up to {differ}"
+            rows.append((", ".join(road.stops), text))
+    return rows

@@ -1,0 +1,9 @@
+/* The page loads itself again as long as its box is ticked. */
+{
+  const [label, box] = ["label", "input"].map(tag => document.createElement(tag));
+  const seconds = Number(document.currentScript.dataset.again);
+  Object.assign(box, {type: "checkbox", checked: true});
+  label.append(box, `load this page again every ${seconds} s`);
+  document.querySelector("header").append(label);
+  setInterval(() => { if (box.checked) location.reload(); }, 1000 * seconds);
+}
