@@ -1,6 +1,7 @@
-"""Facts of a fleet, and the picture of one metric, log by log.
+"""Facts of a fleet, the logs of many drives, and the picture of one metric, log by log.
 
-Logs are points over their median and the range of 90 %; those beyond the axis are at its end.
+A picture has a point for each log, the median and the range of 90 % of the logs. A value beyond the
+axis is drawn at its end.
 """
 
 import textwrap
@@ -19,9 +20,9 @@ from calib.show.sheet import Sheet
 from calib.show.style import BODY, NOMINAL, REAR, Array, Stroke, as_text, dots, names_below
 
 _FIRST = 5
-"""Number of logs that stand apart in the head of the answer."""
+"""Number of logs that stand apart (outliers) that the head of the answer names."""
 _NAMES = 50
-"""Number of logs that stand apart in the page; fleet.json has all."""
+"""Number of logs that stand apart that the page names; fleet.json has all."""
 _HEADS = ("metric", "logs", "median", "90 % of the logs", "stand apart")
 _HALF_WIDTHS = {
     "front": "ecu_interval_f",
@@ -30,24 +31,26 @@ _HALF_WIDTHS = {
 }
 """Half widths of the 95 % interval of a torque over itself, by the part of the car."""
 _ALONE = "none: it is a log of the fit, or run the command on it alone"
+"""Text of a log that failed without a broken limit."""
 _THIN: Stroke = {"color": BODY["color"], "linewidth": 0.8}
 _LINE = 32
-"""Letters of an axis' name that fit beside a panel."""
+"""Letters of the name of an axis that fit beside a panel."""
 _NAMED = 8
-"""Most logs that are named in a picture."""
+"""Largest number of logs that a picture names."""
 _TAIL, _FEWEST = 6.0, 10
-"""Distance from the median over the scale at which an axis of so many values ends [1]."""
+"""Largest distance of an axis' end from the median, over the scale of the values [1]; an axis of
+fewer values has all."""
 
 
 def fleet_facts(summary: Summary) -> Facts:
-    """Facts of a fleet; the logs that stand apart come first."""
+    """Return the facts of a fleet; the logs that failed or stand apart come first."""
     metrics = [metric for metric in summary.metrics if metric.values.size]
     drawn = [metric for metric in metrics if metric.outlying.any()]
     apart = [
-        (log, "; ".join(_reason(summary, o) for o in reasons))
+        (log, "; ".join(_reason(summary, outlier) for outlier in reasons))
         for log, reasons in summary.outliers.items()
     ]
-    errors = [(f.message, str(f.count), ", ".join(f.logs)) for f in summary.failures]
+    errors = [(x.message, str(x.count), ", ".join(x.logs)) for x in summary.failures]
     failed = [(log, _limits(why)) for log, why in summary.failed.items()]
     more = f" and {len(failed) - _FIRST} more" if len(failed) > _FIRST else ""
     first: list[Row] = [("failed", ", ".join(log for log, _ in failed[:_FIRST]) + more)]
@@ -57,7 +60,7 @@ def fleet_facts(summary: Summary) -> Facts:
         verdict=_verdict(summary),
         numbers=[
             ("logs", str(len(summary.logs))),
-            *((k, str(n)) for k, n in summary.status.items()),
+            *((status, str(count)) for status, count in summary.status.items()),
         ],
         rows=[*_torque(metrics), *(first if failed else []), *apart[:_FIRST]],
         notes=[f"one recording, counted {len(g)} times: {', '.join(g)}" for g in summary.copies],
@@ -77,7 +80,10 @@ def fleet_facts(summary: Summary) -> Facts:
 
 
 def _torque(metrics: list[MetricSummary]) -> list[Row]:
-    """95 % half widths of the ECU's torque in the median stop; they are those of the pads."""
+    """Return the relative 95 % half widths of the ECU's torque in the median stop, as one row.
+
+    They are the half widths of the pads, since torque is proportional to pad friction.
+    """
     medians = {metric.column.name: metric.median for metric in metrics}
     halves = [
         f"{side} \N{PLUS-MINUS SIGN}{NBSP}{metric_of(name).with_unit(medians[name])}"
@@ -88,27 +94,28 @@ def _torque(metrics: list[MetricSummary]) -> list[Row]:
 
 
 def _limits(keys: str) -> str:
-    """Names of metrics, which a row joins by commas."""
+    """Return the names of metrics whose ``keys`` are joined by commas."""
     return ", ".join(metric_of(key.strip()).name for key in keys.split(",")) if keys else _ALONE
 
 
 def _metric(summary: Summary, metric: MetricSummary) -> Facts:
+    """Return the part of a page with the picture of one metric."""
     picture = Picture(f"{metric.name}, log by log.", partial(metric_sheet, summary, metric))
     return Facts(f"{metric.name} ({metric.column.name})", pictures=[picture])
 
 
-def _reason(summary: Summary, o: Outlier) -> str:
-    """One reason in words: `Pad friction, front 0.550: above the others, 90 % of them ...`."""
-    metric = next(metric for metric in summary.metrics if metric.column.name == o.figure)
-    shown = _shown(metric)
-    low, high = map(shown, metric.inlier_range)
-    side = "above" if o.value > metric.median else "below"
-    value = f"{metric_of(o.figure).name} {shown(o.value)}"
+def _reason(summary: Summary, outlier: Outlier) -> str:
+    """Return why a log stands apart: `Pad friction, front 0.550: above the others, ...`."""
+    metric = next(metric for metric in summary.metrics if metric.column.name == outlier.figure)
+    text_of = _text_of(metric)
+    low, high = map(text_of, metric.inlier_range)
+    side = "above" if outlier.value > metric.median else "below"
+    value = f"{metric_of(outlier.figure).name} {text_of(outlier.value)}"
     return f"{value}: {side} the others, 90 % of them from {low} to {high}"
 
 
-def _shown(metric: MetricSummary) -> Callable[[float], str]:
-    """The function that writes a value of a metric with its unit."""
+def _text_of(metric: MetricSummary) -> Callable[[float], str]:
+    """Return the function that writes a value of a metric with its unit."""
     shown = metric_of(metric.column.name, metric.column.unit)
     if shown.step:
         return shown.with_unit
@@ -118,53 +125,54 @@ def _shown(metric: MetricSummary) -> Callable[[float], str]:
 
 
 def _verdict(summary: Summary) -> str:
-    """The verdict that sets the colour of the page's head."""
+    """Return the verdict that colours the head of the page."""
     if not summary.judged:
         return UNJUDGED
     return WARNING if summary.outliers or summary.failures else PASSED
 
 
 def _row(metric: MetricSummary) -> tuple[str, ...]:
-    """One metric: its scatter, and the number of logs that stand apart."""
-    shown = _shown(metric)
-    low, high = map(shown, metric.inlier_range)
+    """Return the row of a metric: its scatter, and the number of logs that stand apart."""
+    text_of = _text_of(metric)
+    low, high = map(text_of, metric.inlier_range)
     return (
         metric.name,
         str(metric.values.size),
-        shown(metric.median),
+        text_of(metric.median),
         f"{low} to {high}",
         str(int(metric.outlying.sum())) if metric.judged else "not judged",
     )
 
 
 def metric_sheet(summary: Summary, metric: MetricSummary) -> Sheet:
-    """Return the sheet of one metric, in the unit that is shown."""
-    shown = metric_of(metric.column.name, metric.column.unit)
-    k, x, ends = shown.factor, np.asarray(metric.rows + 1, float), window(metric)
-    y: Array = k * np.clip(metric.values, *ends)
+    """Return the sheet of one metric, in its printed unit."""
+    printed = metric_of(metric.column.name, metric.column.unit)
+    factor, ends, outlying = printed.factor, window(metric), metric.outlying
+    x = np.asarray(metric.rows + 1, float)
+    y: Array = factor * np.clip(metric.values, *ends)
     axis = (0.0, len(summary.logs) + 1.0)
-    share = "90 % of the others" if metric.outlying.any() else "90 % of the logs"
-    low, high = (np.full(2, k * end) for end in metric.inlier_range)
+    share = "90 % of the others" if outlying.any() else "90 % of the logs"
+    low, high = (np.full(2, factor * end) for end in metric.inlier_range)
     names = [Path(log).stem for log in summary.logs]
     below = names_below(names)
     lines = [
         Line(x, y, dots(NOMINAL, 4.5, ".", alpha=1.0 if below else 0.5)),
-        Line(axis, [k * metric.median] * 2, _THIN, f"median, {share}", (low, high)),
+        Line(axis, [factor * metric.median] * 2, _THIN, f"median, {share}", (low, high)),
     ]
-    if (outlying := metric.outlying).any():
+    if outlying.any():
         lines.append(Line(x[outlying], y[outlying], dots(REAR, 5.0, "D", zorder=5), "stands apart"))
     by_distance = np.argsort(-np.abs(metric.values - metric.median), kind="stable")
-    farthest = [i for i in by_distance if metric.outlying[i]][:_NAMED]
+    farthest = [i for i in by_distance if outlying[i]][:_NAMED]
     room = 0.06 * (ends[1] - ends[0])
     panel = Panel(
         "order",
         as_text(metric.name),
         "log, in the order of the names",
-        textwrap.fill(as_text(shown.heading), _LINE),
+        textwrap.fill(as_text(printed.heading), _LINE),
         lines,
         texts=[(as_text(names[metric.rows[i]]), x[i], y[i]) for i in farthest],
         xlim=axis,
-        ylim=(k * (ends[0] - room), k * (ends[1] + room)),
+        ylim=(factor * (ends[0] - room), factor * (ends[1] + room)),
         xticks=["", *below] if below else (),
         columns=2,
     )
@@ -172,7 +180,7 @@ def metric_sheet(summary: Summary, metric: MetricSummary) -> Sheet:
 
 
 def window(metric: MetricSummary) -> tuple[float, float]:
-    """Range of the axis: all values, but at most `_TAIL` scales from the median."""
+    """Return the ends of the axis: all values, but at most `_TAIL` scales from the median."""
     low, high = float(np.min(metric.values)), float(np.max(metric.values))
     if metric.scale > 0.0 and metric.values.size >= _FEWEST:
         reach = _TAIL * metric.scale

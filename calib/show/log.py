@@ -1,6 +1,7 @@
-"""A log without table or vehicle: what is in it, and all its columns in one picture.
+"""A log without table or vehicle: its content as facts, and all its columns as one picture.
 
-Events are marked as `calib.run.events` finds them. Columns of one kind and unit share a panel.
+A picture has a panel for the columns of one kind and unit. It marks the events that
+`calib.run.events` finds, such as the braking.
 """
 
 from collections.abc import Iterable
@@ -24,6 +25,7 @@ from calib.show.sheet import Sheet, rows_of
 from calib.show.style import Array, Stroke
 
 _RAW = "Every column of the log, with its events. Nothing is filtered, zeroed or corrected."
+"""Caption of the picture."""
 _NO_EVENTS = "No events: they need a_x and the four wheel speeds, with a value in every row."
 _EVENTS: dict[str, Stroke] = {
     LEAD_IN: {"color": "#EBF6F1"},
@@ -36,9 +38,9 @@ _STROKES = {**style.WHEEL_STROKES, "f": style.FRONT, "r": style.REAR}
 _TIME = "time [s]"
 
 _PANEL = 0.72
-"""Height of a panel, over that of a usual one."""
+"""Height of a panel, over that of a usual panel [1]."""
 _COLUMN, MOST = 8, 24
-"""Most panels in one column, and in one picture that can be read."""
+"""Largest number of panels in one column, and in one picture that can be read."""
 _TITLES = {
     "p_mc": "Pressure of the master cylinder",
     "a_x": "Acceleration",
@@ -50,13 +52,13 @@ _TITLES = {
     "T_drive": "Torque of engine or motor",
     "abs_active": "ABS or ESC",
 }
-"""Titles of panels by kind of column; the title of a foreign one is its name."""
+"""Titles of panels by kind of column; the title of a foreign column is its name."""
 
 
 def log_facts(log: WholeLog, columns: Iterable[Inventory], events: Iterable[RunEvent]) -> Facts:
-    """Columns and events of a log."""
+    """Return the facts of a log: its columns and its events."""
     time = log.time
-    rows = [(one.kind, f"{one.start:.2f} s", f"{one.end - one.start:.2f} s") for one in events]
+    rows = [(e.kind, f"{e.start:.2f} s", f"{e.end - e.start:.2f} s") for e in events]
     heads = ("column", "unit", "lowest", "highest", "rate [Hz]", "values", "gaps")
     return Facts(
         title=f"Log {log.name}",
@@ -75,6 +77,7 @@ def log_facts(log: WholeLog, columns: Iterable[Inventory], events: Iterable[RunE
 
 
 def _cells(column: Inventory) -> tuple[str, ...]:
+    """Return the row of a column in the table of all columns."""
     start, length = max(column.gaps, key=lambda gap: gap[1], default=(0.0, 0.0))
     gaps = f"{len(column.gaps)}, longest {length:.3f} s at {start:.2f} s" if column.gaps else "none"
     return (
@@ -89,7 +92,10 @@ def _cells(column: Inventory) -> tuple[str, ...]:
 
 
 def log_sheet(log: WholeLog, events: Iterable[RunEvent] = ()) -> Sheet:
-    """Every column of a log over time, and eta. Raises ValueError for none, or over `MOST`."""
+    """Return the sheet of a log: every column over time, and eta.
+
+    Raises ValueError for a log without columns, or with more than `MOST` panels.
+    """
     time, groups = log.time, panels_of(log)
     if not 0 < len(groups) <= MOST:
         raise ValueError(f"{len(groups)} panels, at most {MOST} can be drawn")
@@ -97,11 +103,11 @@ def log_sheet(log: WholeLog, events: Iterable[RunEvent] = ()) -> Sheet:
     for axis, columns in groups.items():
         kind = _kind(columns[0].name)
         name = axis if kind in {panel.name for panel in panels} else kind
-        places = [one.name.rpartition("_")[2] for one in columns] if len(columns) > 1 else [""]
-        lines = [
-            Line(time, one.values, {**_STROKES.get(place, style.BODY), "linewidth": 0.8}, place)
-            for one, place in zip(columns, places, strict=True)
-        ]
+        lines = []
+        for column in columns:
+            place = column.name.rpartition("_")[2] if len(columns) > 1 else ""
+            look = {**_STROKES.get(place, style.BODY), "linewidth": 0.8}
+            lines.append(Line(time, column.values, look, place))
         title = _TITLES.get(kind, style.as_text(kind))
         panels.append(Panel(name, title, _TIME, style.as_text(axis), lines, columns=4))
     if all(name in channels for name in WHEEL_SPEEDS):
@@ -125,7 +131,7 @@ def log_sheet(log: WholeLog, events: Iterable[RunEvent] = ()) -> Sheet:
 
 
 def whole_of(log: Log) -> WholeLog:
-    """The channels of a log in the units in which they are written."""
+    """Return the channels of a log in the units that the file gives."""
     columns = [
         WholeColumn(name, channel.unit, from_si(log[name], channel.unit, channel.si))
         for name, channel in CHANNELS.items()
@@ -135,7 +141,7 @@ def whole_of(log: Log) -> WholeLog:
 
 
 def _eta(log: Log) -> Array:
-    """100 (eta - 1) of the axle means (22) [%], (n,); NaN where an axle is below 3 m/s."""
+    """Return eta - 1 of the axles' mean wheel speeds (22) [%], (n,); NaN below `MOVING`."""
     front = 0.5 * (log["omega_fl"] + log["omega_fr"])
     rear = 0.5 * (log["omega_rl"] + log["omega_rr"])
     turning = np.minimum(front, rear) > MOVING / NOMINAL_RADIUS
@@ -143,18 +149,18 @@ def _eta(log: Log) -> Array:
 
 
 def _marked(events: Iterable[RunEvent], named: bool) -> list[Mark]:
-    """The events, each kind ``named`` once in the legend."""
-    names = {event.kind for event in events} if named else set()
-    marks = []
+    """Return the events as marks; if ``named``, the legend has each kind once."""
+    marks, labelled = [], set[str]()
     for event in events:
-        label = event.kind if event.kind in names else ""
-        names.discard(event.kind)
+        is_new = named and event.kind not in labelled
+        labelled.add(event.kind)
+        label = event.kind if is_new else ""
         marks.append(Mark(event.start, event.end, _EVENTS[event.kind], label))
     return marks
 
 
 def panels_of(whole: WholeLog) -> dict[str, tuple[WholeColumn, ...]]:
-    """The columns by panel, in the order of the log; the clock has none."""
+    """Return the columns by the label of their panel, in the order of the log; no clock."""
     groups: dict[str, tuple[WholeColumn, ...]] = {}
     for column in whole.columns:
         if column.name != TIME:
@@ -164,14 +170,14 @@ def panels_of(whole: WholeLog) -> dict[str, tuple[WholeColumn, ...]]:
 
 
 def _kind(name: str) -> str:
-    """``omega`` of omega_fl, ``T_disc`` of T_disc_f; a foreign name is its own kind."""
+    """Return ``omega`` of omega_fl, ``T_disc`` of T_disc_f; a foreign name is its own kind."""
     stem, _, last = name.rpartition("_")
-    shared = last in (*WHEELS, "f", "r") and (name in CHANNELS or name.startswith(TRUTH))
-    return stem if shared else name
+    is_ours = name in CHANNELS or name.startswith(TRUTH)
+    return stem if is_ours and last in (*WHEELS, "f", "r") else name
 
 
 def written(log: WholeLog, out: Path) -> dict[str, Any]:
-    """JSON document of a log that was written to ``out``."""
+    """Return the JSON document of a log that was written to ``out``."""
     return {
         "log": log.source,
         "out": out,
@@ -184,7 +190,7 @@ def written(log: WholeLog, out: Path) -> dict[str, Any]:
 def document(
     log: WholeLog, columns: Iterable[Inventory], events: Iterable[RunEvent]
 ) -> dict[str, object]:
-    """JSON document of a log and its columns."""
+    """Return the JSON document of a log, its columns and its events."""
     return {
         "log": log.name,
         "source": log.source,
@@ -199,7 +205,7 @@ def document(
 
 
 def simulated(log: Log, speed: Array, out: Path, model: Path | None) -> dict[str, Any]:
-    """The JSON document of a simulation that was driven with ``speed`` [m/s] (n,)."""
+    """Return the JSON document of a simulation with the simulated ``speed`` [m/s] (n,)."""
     return {
         "out": out,
         "name": log.name,
