@@ -69,14 +69,14 @@ _HOMES = {
     "simulate": "calib.model.simulate",
     "validate": "calib.estimation.validate",
 }
-"""The module of each name. It is imported when the name is first used: ``import calib`` is
+"""The module of each name, which is imported when the name is used first: so ``import calib`` is
 fast."""
 
 __all__ = [*_HOMES]
 
 
 def _view(name: str) -> Callable[[Viewable], Any]:
-    """A function of `calib.show.notebook`, which is imported when it is used."""
+    """Return a function of `calib.show.notebook`, which is imported when the function is called."""
     return lambda result: getattr(import_module("calib.show.notebook"), name)(result)
 
 

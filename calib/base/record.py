@@ -45,10 +45,7 @@ class Section(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
 
     written_as: ClassVar[str] = ""
-    """How users write this table, for the message where a value is not a table.
-
-    By default the message names the table: ``[pads]``.
-    """
+    """Text that a message expects where a value is not a table; by default its name, ``[pads]``."""
 
 
 class FileSchema(Section):
@@ -65,9 +62,9 @@ class ByName(Section):
     @model_validator(mode="wrap")
     @classmethod
     def _keep_order(cls, data: Any, handler: ValidatorFunctionWrapHandler) -> "ByName":
-        section: ByName = handler(data)
-        section._order = tuple(data)
-        return section
+        table: ByName = handler(data)
+        table._order = tuple(data)
+        return table
 
     def entries(self) -> ItemsView[str, Any]:
         """Name and value of each entry, in the order of the file."""
@@ -82,10 +79,9 @@ def section(
     The default is None for an optional key, ``...`` for a required key. ``title`` names the schema,
     and ``about`` describes the table in JSON Schema.
     """
-    fields: dict[str, Any] = {
-        name: (kind | None if default is None else kind, default)
-        for name, (kind, default) in keys.items()
-    }
+    fields: dict[str, Any] = {}
+    for name, (kind, default) in keys.items():
+        fields[name] = (kind | None, None) if default is None else (kind, default)
     return create_model(title, __base__=base, __doc__=about, **fields)
 
 

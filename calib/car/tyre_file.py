@@ -70,7 +70,8 @@ class TyreFile:
         k, d = self.keys, self.over_nominal(load) - 1.0
         stiffness = (k["PKX1"] + k["PKX2"] * d) * math.exp(k["PKX3"] * d) * k["LKX"]
         peak = (k["PDX1"] + k["PDX2"] * d) * k["LMUX"]
-        if not (1.0 / _FAR < d + 1.0 < _FAR and 2.0 < stiffness < 200.0 and 0.1 < peak < 3.0):
+        is_usual_tyre = 2.0 < stiffness < 200.0 and 0.1 < peak < 3.0
+        if not (is_usual_tyre and 1.0 / _FAR < d + 1.0 < _FAR):
             raise TyreError(
                 f"at {load:.0f} N, the load of a wheel of this car, stiffness over load is "
                 f"{stiffness:.3g} and the peak {peak:.3g}",

@@ -51,8 +51,10 @@ class Axle:
 
 
 UNCERTAINTIES = (
-    *("mass_tolerance", "motor_odds"),
-    *("front.pad_friction_tolerance", "rear.pad_friction_tolerance"),
+    "mass_tolerance",
+    "motor_odds",
+    "front.pad_friction_tolerance",
+    "rear.pad_friction_tolerance",
 )
 """Fields of a `Vehicle` that state uncertainties; two files of one car may differ in them."""
 

@@ -172,9 +172,7 @@ def effect(name: str, **hooks: Callable[..., Any]) -> Effect:
 
 BRAKES = ("pressure", "friction", "wheels")
 """Links that change pressures, pads or the torque of single wheels."""
-READINGS = (
-    *("accelerometer", "wheel_speed", "accelerometer_lag", "speed_delay", "wheel_speed_delay"),
-)
+READINGS = ("accelerometer", "accelerometer_lag", "wheel_speed", "speed_delay", "wheel_speed_delay")
 """Links that change the readings of sensors, but not the motion of the car."""
 AT_WHEELS = (*BRAKES, "axle_moment", "inertia", "radius", "wheel_speed", "wheel_speed_delay")
 """Links that change brakes, wheels or wheel speed sensors."""
