@@ -227,6 +227,8 @@ def fleet(
             raise usage_error("not beside a DIR, whose pages are written into it", "--out")
         with writing(results, "DIR"):
             number = write_index(results)
+        if number == 0:
+            say(f"no folder in {results} is a run of `brake-cal station --out`")
         files = [results / INDEX, results / LIVE]
         return Answer({"runs": number, "files": files}, f"{counted(number, 'run')}; {files[0]}")
     check_folder(out, ("fleet.json", "report.html"))

@@ -36,8 +36,9 @@ def load_toml(path: Path, error: type[InputError]) -> dict[str, Any]:
             raise ValueError(f"a key of more than {_MAX_PARTS} parts")
         return tomllib.loads(text)
     except (ValueError, RecursionError) as cause:
-        expected = 'a TOML file; quantities and texts stand in quotes, with a point: "1.5 kg"'
-        do = "" if path.suffix == ".toml" else "is it the right file? It does not end in .toml"
+        expected, do = "a TOML file, which ends in .toml", "give the right file"
+        if path.suffix == ".toml":
+            expected, do = "a TOML file", 'put quantities and texts in quotes: mass = "1.5 kg"'
         raise error(f"not TOML: {cause}", where=path, expected=expected, do=do) from cause
 
 

@@ -70,10 +70,11 @@ def require(run: Run, purpose: str) -> None:
 
 
 def require_none(reasons: tuple[PlausibilityWarning, ...], run: Run, purpose: str) -> None:
-    """Raise LogError with all ``reasons`` against a run, if there are any."""
+    """Raise LogError with all ``reasons`` against a run, each in its line, if there are any."""
     if reasons:
-        message = f"{_CALLED[purpose]}: {'; '.join(one.text for one in reasons)}"
-        raise LogError(message, where=run.log.source, do="see `brake-cal check`")
+        first, *more = (one.text for one in reasons)
+        flaw, do = f"{_CALLED[purpose]}: {first}", "see `brake-cal check`"
+        raise LogError(flaw, where=run.log.source, do=do, lines=tuple(more))
 
 
 def warnings_on(
