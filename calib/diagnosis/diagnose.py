@@ -84,7 +84,7 @@ def diagnose(
         require_right_axles(search, logs, warnings)
         tell("replaying the hold-outs", 0, 1)
         verdict = verdict_of(search)
-        # a difference of the sides may be a brake that drags on one wheel
+        # a large difference may be a brake that drags on one wheel: then it is not taken out
         may_drag = _slows(vehicle, verdict.best.names) or verdict.term is not None
         if taken_out <= USUAL or not may_drag:
             break

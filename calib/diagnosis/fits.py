@@ -70,8 +70,8 @@ class Fits:
         for fit in self.problem.mapped(job, unknown):
             self.add(replace(fit, problem=self.problem))
         fits = sorted((self.fitted[p.hypothesis.key] for p in tops), key=lambda f: -f.log_evidence)
-        near_best = max((fit.log_evidence for fit in fits), default=0.0) - _PRUNED
-        return [self.pruned(fit) if fit.log_evidence > near_best else fit for fit in fits]
+        to_prune = max((fit.log_evidence for fit in fits), default=0.0) - _PRUNED
+        return [self.pruned(fit) if fit.log_evidence > to_prune else fit for fit in fits]
 
     def pruned(self, fit: Fit) -> Fit:
         """Leave out groups and effects not worth their price, as long as that is better."""
@@ -84,7 +84,7 @@ class Fits:
             fit = better
 
     def fewer(self, fit: Fit, names: Iterable[str]) -> list[Fit]:
-        """Fit it without each of these effects, and without each group in which logs differ."""
+        """Fit without each of these effects of ``fit``, and without each of its groups."""
         parts, groups = [], fit.hypothesis.groups
         for name in names:
             others = tuple(n for n in fit.names if n != name)

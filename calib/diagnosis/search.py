@@ -82,11 +82,8 @@ class Search:
         self.fits = Fits(self.problem, self.holdouts.problem)
         self.base = self.best = self.fits.base
         self.further = self.first = trials(self.base)
-        moves = (self.one_more, self.exchanges, partial(self.one_more, more_groups=True))
         for _ in range(_MOST):
-            # lazy: a move is made only if none before it gave a fit that is accepted
-            better = (fit for move in moves for fit in self.more_probable(move()))
-            if not any(map(self.accept, better)) or self.is_no_effect() or self.quieter():
+            if not self._moves_on() or self.is_no_effect() or self.quieter():
                 break
         self.rivals = self._rivals()
         likeliest = max((self.best, *self.rivals), key=self._odds)
@@ -95,6 +92,14 @@ class Search:
         self.best = self._with_alike()
         if not self.best.names:
             self.base = self.best
+
+    def _moves_on(self) -> bool:
+        """Make the first move that gives a fit which is accepted; return whether there is one."""
+        for move in (self.one_more, self.exchanges, partial(self.one_more, more_groups=True)):
+            for fit in self.more_probable(move()):
+                if self.accept(fit):
+                    return True
+        return False
 
     def quieter(self) -> ChannelNoise | None:
         """The noise that the best fit leaves in unbraked parts if a channel is quieter, or None."""
@@ -160,8 +165,8 @@ class Search:
     def one_more(self, *, more_groups: bool = False) -> list[Fit]:
         """Fit one effect more; with ``more_groups`` logs may differ in further groups, too.
 
-        Three promises in the present groups are fitted, and one in more groups: those near the best
-        promise, by as much as a linear model can be wrong.
+        Up to three promises in the present groups are fitted, and one in more groups: those behind
+        the best promise by no more than a linear model can be wrong.
         """
         best, tops = self.best, []
         promised = promises(best, self.further, 1, more_groups)
@@ -175,7 +180,7 @@ class Search:
     def more_probable(self, fits: Iterable[Fit]) -> Iterator[Fit]:
         """Yield fits that are surely more probable than the best one, by evidence.
 
-        A cause takes more than a twentieth of all that is left.
+        A cause takes more than a twentieth of all that is left (`_SHARE`).
         """
         best = self.best
         excess = best.mean_square - 1.0 - 3.0 * best.scatter
@@ -202,8 +207,8 @@ class Search:
         """Fit one or two effects, or further groups, in the place of a part of the best fit.
 
         A best fit without effects gets one or two. The part may have stood for two effects. Without
-        the part a linear model may be far wrong, so the best two single effects are fitted whatever
-        they promise. A pair must promise more than the best fit and lack the part.
+        the part the linear model may be far wrong, so the best two single effects are fitted,
+        whatever they promise. A pair must promise more than the best fit, and not hold the part.
         """
         best, fits = self.best, []
         count, more_groups = len(best.names), bool(best.hypothesis.groups)
@@ -247,11 +252,11 @@ class Search:
         return by_term > max(p.log_evidence for p in others)
 
     def _odds(self, fit: Fit) -> float:
-        """ln of the odds between rivals, at which effects that every car has cost no price."""
+        """ln of the odds between rivals; effects that every car has cost no price there."""
         return self.fits.value(fit) + fit.hypothesis.price_of_usual
 
     def _rivals(self) -> tuple[Fit, ...]:
-        """Fits with as many parameters at most that no log rules out, and with other effects."""
+        """Fits with other effects and at most as many parameters, which no log rules out."""
         best, value, rivals = self.best, self.fits.value, []
         most, least = value(best), best.log_evidence - 2.0 * SURE
         for fit in list(self.fits.fitted.values()):
@@ -266,9 +271,8 @@ class Search:
     def _with_alike(self) -> Fit:
         """The best fit, with logs alike in `SCATTERED` groups if that is more probable."""
         fit = self.best
-        subsets = (frozenset(names) for names in ((), SCATTERED, *((x,) for x in SCATTERED)))
-        options = [
-            replace(fit.hypothesis, alike=alike - fit.hypothesis.groups) for alike in subsets
-        ]
+        subsets = [(), SCATTERED, *((group,) for group in SCATTERED)]
+        differ = fit.hypothesis.groups
+        options = [replace(fit.hypothesis, alike=frozenset(x) - differ) for x in subsets]
         likeliest = max(options, key=lambda option: fit.marginal(sigmas=option.sigmas).evidence())
         return fit_logs(fit.problem, likeliest, fit.state, fit.columns)

@@ -102,8 +102,9 @@ def verdict_of(search: Search) -> Verdict:
 def _closing(search: Search) -> tuple[Replayed, list[Ranked], list[Fit]]:
     """Find the last accepted fit that closes the gap of the replays; the base if none does.
 
-    A fit that leaves something must close it by `_CLOSED`, any other fit must not widen it. Return
-    its replays, the terms ranked beside it, and the fits with terms if something is left.
+    A fit that leaves something must close the share `_CLOSED` of the gap; any other fit must not
+    widen the gap. Return its replays, the terms ranked beside it, and, if something is left, the
+    fits with terms.
     """
     accepted = [*search.accepted]
     with suppress(ModelError):  # without a new replay the last one stays as it was accepted
@@ -124,8 +125,8 @@ def _closing(search: Search) -> tuple[Replayed, list[Ranked], list[Fit]]:
 def _remaining_terms(search: Search, fit: Fit, terms: Sequence[Ranked]) -> list[Fit]:
     """Fit the best of these terms beside a fit if more than noise is left; else return none.
 
-    More is left if the innovations have far more, or if a term is surely more probable, on the
-    hold-outs, too, since no law stands behind it.
+    More is left if the innovations have far more, or if a term is surely more probable, also on the
+    hold-outs, since a term has no law behind it.
     """
     is_strange = fit.mean_square > 1.01 + _STRANGE * fit.scatter
     if not is_strange and terms[0].log_gain < SURE:

@@ -148,6 +148,7 @@ class _Means:
 
     @classmethod
     def of_run(cls, s: Signals, forces: BrakeBalance) -> "_Means":
+        """Average the signals and forces of a run."""
         size = samples_in(_STEP, s.sample_time)
         bites = forces.active.astype(float)
         handed_over = np.clip((FADE_OUT - s.speed) / (FADE_OUT - _GONE), 0.0, 1.0)
@@ -189,8 +190,9 @@ def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
         nominal, braked = (_delayed(m.time, x, delay, lagged=lagged) for x in (m.nominal, m.braked))
         by_delay = -np.gradient(nominal, m.step)
         by_width = -np.gradient(by_delay, m.step)  # by half the variance of the delay
-        terms = nominal, nominal * m.age, braked, np.ones_like(nominal), -m.slow, by_delay, by_width
-        A = np.column_stack(terms)[m.inside]
+        constant = np.ones_like(nominal)
+        terms = nominal, nominal * m.age, braked, constant, -m.slow, by_delay, by_width
+        A = np.column_stack(terms)[m.inside]  # in the order of `_LEVEL` to `_WIDER`
         free = np.linalg.lstsq(A, y, rcond=None)[0]
         level = float(free[_LEVEL])
         if not (level > 0.0 and usual > 0.0):
@@ -225,7 +227,7 @@ def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
 def _likeliest_delay(m: _Means, y: Array) -> tuple[float, bool]:
     """Delay [s] of those tried with the greatest posterior probability, and whether it is a lag.
 
-    ``y`` is the demanded brake force inside (k,).
+    ``y`` (k,) is the demanded brake force where ``m.inside``.
     """
     tried, nominal, braked = _tried_delays(m)
     nominal, braked = nominal[:, m.inside], braked[:, m.inside]
@@ -251,7 +253,7 @@ def _tried_delays(m: _Means) -> tuple[Array, Array, Array]:
 
 
 def _delayed(time: Array, x: Array, delay: float, *, lagged: bool) -> Array:
-    """``x`` after a first-order lag, or a shift, which may be negative."""
+    """Signal ``x`` after a first-order lag if ``lagged``, else after a shift of either sign."""
     if lagged and delay > 0.0:
         return first_order(time, x, delay)
     return np.interp(time - delay, time, x)
@@ -260,7 +262,7 @@ def _delayed(time: Array, x: Array, delay: float, *, lagged: bool) -> Array:
 def _largest_step(m: _Means, nominal: Array, residual: Array) -> _ForceStep:
     """The largest step of ``residual`` in the longest braking, by medians, so that no bump counts.
 
-    ``nominal`` force and ``residual`` inside (k,) over the usual brake force [1].
+    ``nominal`` force and ``residual`` (k,), where ``m.inside``, are over the usual brake force [1].
     """
     time, braked = m.time[m.inside], np.flatnonzero(m.braked[m.inside] == 1.0)
     ends = np.flatnonzero(np.diff(time[braked]) > 1.5 * m.step) + 1

@@ -27,11 +27,11 @@ _HELD = 1.5  # mean samples per value from which a channel is held
 
 
 def shares_of_speed(log: Log) -> Iterator[tuple[str, float]]:
-    """Share of the noise of a_x that v, or the mean wheel speed, explains [1], with its name.
+    """Yield v and the wheel speeds with the share of the noise of a_x that they explain [1].
 
-    A derivative is a weighted sum of nearby values of the speed, which explain all of its noise,
-    and none of that of an accelerometer. Second differences stand for the noise. There are no
-    shares for an a_x without noise, as of a simulation.
+    A derivative is a weighted sum of nearby values of the speed, so these explain all of its noise;
+    they explain none of an accelerometer's. The noise is taken from second differences. An a_x
+    without noise, as of a simulation, has no shares.
     """
     if not _is_noise(log, "a_x"):
         return
@@ -130,7 +130,7 @@ def _arrivals(x: Array, longest: float) -> Index | None:
     first = np.concatenate([[0], np.flatnonzero(np.diff(x)) + 1])
     length = np.diff(np.append(first, x.size))
     repeats = np.maximum(1, np.floor(length / period + 1.0 - _SAME).astype(np.int64))
-    # 0, 1 ... for the arrivals of each value
+    # number of each arrival among those of one value: 0, 1 ...
     number = np.arange(repeats.sum()) - np.repeat(np.cumsum(repeats) - repeats, repeats)
     arrivals = np.repeat(first, repeats) + np.round(number * period).astype(np.int64)
     return np.asarray(arrivals[arrivals < x.size])

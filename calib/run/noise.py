@@ -44,7 +44,7 @@ class SensorNoise:
 
 
 def worst_noise(noises: list[SensorNoise]) -> SensorNoise:
-    """The largest of each noise: an estimator must not promise more than in the worst run."""
+    """Return the largest of each noise: an estimator must not promise more than the worst run."""
     largest = {f.name: max(getattr(n, f.name) for n in noises) for f in fields(SensorNoise)}
     return SensorNoise(**largest)
 
@@ -77,6 +77,7 @@ def _white_sigma(x: Array) -> float:
 
 
 def _rms(x: list[float]) -> float:
+    """Root mean square."""
     return float(np.sqrt(np.mean(np.square(x))))
 
 
@@ -139,8 +140,8 @@ def _long_run_density(
     total = float(np.sum(residual**2))
     if total == 0.0:
         return 0.0
-    # the median excludes the window of the brake application, but r includes it: at most 3 times
-    # the true density
+    # the median excludes the window of the brake application; r does not, and raises the density
+    # by up to a factor of 3
     variance = float(np.median(np.sum(residual**2, axis=1))) / (length - fitted)
     lagged = float(np.sum(residual[:, 1:] * residual[:, :-1]))
     r = lagged / total * length / (length - 1) + fitted / length

@@ -120,10 +120,10 @@ def _parabola(size: int) -> Array:
 
 
 def _freedom_of_drift(size: int) -> float:
-    """Expected sum of squares of the whitened v of white noise [1], less a parabola.
+    """Expected sum of squares of whitened v of ``size`` samples of unit noise, less a parabola [1].
 
-    The noise has ``size`` samples of variance 1. Each whitened sample is a sum of responses to all
-    samples of the noise before; these have one shape, but for that to the first sample.
+    A whitened sample is the sum of the responses to all samples of the noise up to it. The response
+    to the first sample of the log has another shape than those to later ones.
     """
     first, later = _whitened_drift(np.eye(2, size)) ** 2
     of_parabola = np.sum(_whitened_drift(_parabola(size).T) ** 2, axis=0)

@@ -43,7 +43,7 @@ from calib.diagnosis.explanation.hypothesis import (
 from calib.diagnosis.explanation.predict import ObservedRun, Prediction, RunLag, predict
 from calib.diagnosis.explanation.problem import Problem
 
-_UNUSUAL = 2.0  # mean square of base and discrepancy over that of their priors [1]: unusual from it
+_UNUSUAL = 2.0  # mean square of an unusual base and discrepancy over that of their priors [1]
 _STEP = 1e-3  # step of an element of x in a finite difference [1]
 _STEP_OF_RANDOM = 1.0 / 15.0  # the same of a random effect, over its largest standard deviation
 
@@ -256,11 +256,12 @@ def with_columns(fit: Fit, near: Sequence[Array] = ()) -> Fit:
     steps = np.where(state.x + _STEP < fit.prior.high[:m], _STEP, -_STEP)
     moved = [replace(state, x=state.x + step) for step in np.diag(steps)[shared:]]
     by_rest = _differences(fit, moved, steps[shared:])
-    by_given = [x[:shared] for x in near or by_rest]
-    by_discrepancy = [x[-k:] for x in near or _by_discrepancy(fit)]
+    columns_near = near if near else _by_discrepancy(fit)
+    by_shared = [x[:shared] for x in columns_near]
+    by_discrepancy = [x[-k:] for x in columns_near]
     columns = [  # zero for a discrepancy that the hypothesis lacks
         np.vstack([first, rest, fit.hypothesis.has_discrepancy * last])
-        for first, rest, last in zip(by_given, by_rest, by_discrepancy, strict=True)
+        for first, rest, last in zip(by_shared, by_rest, by_discrepancy, strict=True)
     ]
     if FADE in fit.effects:
         heat = random_derivatives(fit, (FRONT_HEAT, REAR_HEAT))
