@@ -1,4 +1,4 @@
-"""Facts of a check: the use of each log, and its content."""
+"""Facts of a check: for what each log can be used, and what it holds."""
 
 from collections.abc import Sequence
 
@@ -15,13 +15,13 @@ _PURPOSES = {
 
 
 def check_facts(findings: Sequence[Findings]) -> Facts:
-    """A line for each log, and what it contains."""
+    """Return a line for each log, and a part with what the log holds."""
     parts = [Facts(title=one.run.log.source, rows=_rows(one)) for one in findings]
     return Facts(notes=[line(one) for one in findings], parts=parts)
 
 
 def line(findings: Findings) -> str:
-    """The verdict on a log, why it makes no table, and the titles of its warnings."""
+    """Return the verdict on a log, why it makes no table, and the titles of its warnings."""
     why, titles = _why(findings), dict.fromkeys(one.title for one in findings.warnings)
     parts = [why] if why else []
     if titles:
@@ -32,7 +32,7 @@ def line(findings: Findings) -> str:
 
 
 def _why(findings: Findings) -> str:
-    """Reason why a braking makes no table, or a log is useless; "" for none."""
+    """Return the reason why a braking makes no table, or a log is of no use; "" for none."""
     fit = next(one for one in findings.verdicts if one.purpose == "fit")
     if fit.usable or (findings.usable and not findings.run.events):
         return ""

@@ -1,7 +1,7 @@
-"""The sheets that are drawn for the given tables and logs.
+"""The sheets that `brake-cal plot` draws for tables and logs.
 
-a table                     the table; with the ramps it was made of, also their measured points
-a table and another log     the stop, judged as `validate` does; a simulation if it has truth
+a table                     the table; with ramps of its fit, also their measured points
+a table and another log     the log as a stop, judged as `validate` does
 a log                       its channels
 """
 
@@ -53,7 +53,7 @@ def _of_log(run: Log) -> Sheet:
 
 
 def sheet_facts(drawn: Sequence[Sheet], figure: str | None = None) -> Facts:
-    """The sheets as facts of a page, each with its panel ``figure``, or all of its page."""
+    """Return the sheets as facts of a page, with the panel ``figure`` of each, or all panels."""
     names = [figure] if figure else []
     parts = [
         Facts(

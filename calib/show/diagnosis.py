@@ -1,4 +1,8 @@
-"""Facts of a diagnosis: verdict, effects, gap of the hold-outs; `diagnosis.json` has the rest."""
+"""Facts of a diagnosis: the verdict, the named effects, the gap on the hold-outs.
+
+The gap is the difference of open-loop replays from what the hold-outs measured; `diagnosis.json`
+has more figures.
+"""
 
 from calib.base.plain import counted
 from calib.base.units import BAR
@@ -20,7 +24,7 @@ KINDS = {
     "unknown": ("Unknown cause", FAILED),
     "within_noise": ("Within the noise", PASSED),
 }
-"""The outcomes, each in a few words and with its colour."""
+"""Words and verdict of each outcome; "rest": something remains that no effect explains."""
 
 _DRIVERS = {
     "temperature": "the temperature of the disc",
@@ -34,7 +38,7 @@ _DRIVERS = {
 }
 """Drivers of an unknown cause in words; any other driver is its own word."""
 _WITHIN = 1.0
-"""Largest gap, over the noise of the sensors [1], that does not show an unknown cause."""
+"""Largest gap, over the sensors' noise [1], that is no sign of an unknown cause."""
 _SPEED = "Speed of the open-loop replays of the hold-outs less the measured one."
 _LARGEST = "Replay less measurement of {}, the log with the largest gap; the band is the noise."
 _GAP = "By log and channel, in units of the noise, which is taken out."
@@ -49,24 +53,15 @@ _INNOVATION = "mean squared innovation (1 = noise)"
 
 
 def diagnosis_facts(diagnosis: Diagnosis) -> Facts:
-    """The verdict on a car, a part for each effect that is named, and what the verdict rests on."""
+    """Return the verdict, a part for each named effect, the gap and the base parameters."""
     word, verdict = KINDS[outcome(diagnosis)]
-    gap, has_gap = diagnosis.gap, diagnosis.verdict != "no_gap"
-    closed = f" to {gap.rms_after:.1f}" * has_gap + " times the noise, "
-    closed += f"{100.0 * gap.closed:.1f} % closed, " * has_gap
     rows = (
-        ("gap", f"{gap.rms_before:.1f}{closed}on {counted(len(diagnosis.measured), 'hold-out')}"),
-        *(
-            (spaced(effect.name), "; ".join(
-                "{} {} (95 %: {})".format(spaced(name), *estimate(value))
-                for name, value in effect.parameters.items()
-            ))
-            for effect in diagnosis.effects
-        ),
+        ("gap", _gap_in_words(diagnosis)),
+        *((spaced(effect.name), _parameters(effect)) for effect in diagnosis.effects),
         ("Left over", _something_else(diagnosis)),
         ("Not named", _withdrawn(diagnosis)),
         ("Unexplained", unexplained(diagnosis)),
-    )  # fmt: skip
+    )
     term = [Picture(_TERM, lambda: diagnosis_sheet(diagnosis), ["term"])]
     separating = [effect.separate_by for effect in diagnosis.effects if effect.separate_by]
     following = _FIT if diagnosis.verdict == "named" else ""
@@ -88,10 +83,29 @@ def diagnosis_facts(diagnosis: Diagnosis) -> Facts:
     )
 
 
-def outcome(diagnosis: Diagnosis) -> str:
-    """The verdict after the hold-outs, a key of `KINDS`.
+def _gap_in_words(diagnosis: Diagnosis) -> str:
+    """Return the gap over the noise, before and after the named effects."""
+    gap, hold_outs = diagnosis.gap, counted(len(diagnosis.measured), "hold-out")
+    if diagnosis.verdict == "no_gap":
+        return f"{gap.rms_before:.1f} times the noise, on {hold_outs}"
+    ends = f"{gap.rms_before:.1f} to {gap.rms_after:.1f}"
+    return f"{ends} times the noise, {100.0 * gap.closed:.1f} % closed, on {hold_outs}"
 
-    "named" only if their gap became smaller and no other cause is left; "unknown" only with a gap.
+
+def _parameters(effect: Named) -> str:
+    """Return the parameters of an effect with their intervals."""
+    texts = []
+    for name, parameter in effect.parameters.items():
+        value, interval = estimate(parameter)
+        texts.append(f"{spaced(name)} {value} (95 %: {interval})")
+    return "; ".join(texts)
+
+
+def outcome(diagnosis: Diagnosis) -> str:
+    """Return the verdict after the hold-outs, a key of `KINDS`.
+
+    It is "named" only if the gap of the hold-outs became smaller and no other cause remains, and
+    "unknown" only if there is a gap.
     """
     if diagnosis.verdict == "unknown" and diagnosis.gap.rms_before < _WITHIN:
         return "within_noise"
@@ -106,7 +120,7 @@ def outcome(diagnosis: Diagnosis) -> str:
 
 
 def _verdict_of(diagnosis: Diagnosis) -> str:
-    """The verdict in one sentence."""
+    """Return the verdict in a sentence or two."""
     names, remainder = [effect.name for effect in diagnosis.effects], diagnosis.unexplained
     if diagnosis.verdict == "no_gap":
         return "These logs show nothing that is missing from the model."
@@ -131,7 +145,7 @@ def _verdict_of(diagnosis: Diagnosis) -> str:
 
 
 def _effect(effect: Named, diagnosis: Diagnosis) -> Facts:
-    """One named effect: its cause, where it acts, its evidence and its rivals."""
+    """Return the part of a named effect: cause, where it acts, evidence, rivals."""
     card = definition(diagnosis.model_before.vehicle.effects, effect.name).card
     region = effect.where
     ranges = [span(region.pressure, "Pa"), span(region.speed, "m/s")]
@@ -157,7 +171,7 @@ def _effect(effect: Named, diagnosis: Diagnosis) -> Facts:
 
 
 def _something_else(diagnosis: Diagnosis) -> str:
-    """The gap that the named effects leave; "" for none."""
+    """Return the gap that the named effects leave; "" for none."""
     if diagnosis.unexplained is None or not diagnosis.effects:
         return ""
     text = f"a {_INNOVATION} of {diagnosis.reduced_after:.2f}; in the replays "
@@ -165,7 +179,7 @@ def _something_else(diagnosis: Diagnosis) -> str:
 
 
 def _withdrawn(diagnosis: Diagnosis) -> str:
-    """Effects that fit some logs and were rejected, with the reason; "" without any."""
+    """Return the effects that were rejected, with the reasons; "" without any."""
     worse = [listed(names) for names in diagnosis.withdrawn]
     reasons = [f"{'; '.join(worse)}: worse on the hold-outs"] if worse else []
     if diagnosis.verdict == "unknown" and (last := diagnosis.steps[-1]):
@@ -174,7 +188,7 @@ def _withdrawn(diagnosis: Diagnosis) -> str:
 
 
 def unexplained(diagnosis: Diagnosis) -> str:
-    """Place and dependence of a cause that is not in the catalogue; "" without one."""
+    """Return where an unknown cause acts and on what it depends; "" without such a cause."""
     cause = diagnosis.unexplained
     if cause is None:
         return ""
@@ -200,25 +214,27 @@ def unexplained(diagnosis: Diagnosis) -> str:
 
 
 def _gap(diagnosis: Diagnosis) -> Facts:
-    """The gap of the hold-outs by log and channel, in units of the noise of each channel."""
+    """Return the part with the gap by hold-out and channel, over the noise of each channel."""
     has_changed, gap = moved(diagnosis), diagnosis.gap
     rows: list[tuple[str, ...]] = []
     for i, log in enumerate(gap.logs, 1):
         ends = [gap.rms(log, channel) for channel in (None, *CHANNELS)]
-        cells = (f"{a:.1f} to {b:.1f}" if has_changed else f"{a:.1f}" for a, b in ends)
+        cells = [f"{before:.1f}" for before, _ in ends]
+        if has_changed:
+            cells = [f"{before:.1f} to {after:.1f}" for before, after in ends]
         rows.append((f"{i} {log}", *cells))
     noises = (f"{x:.4f} {UNITS[name]}" for name, x in zip(CHANNELS, gap.noise, strict=True))
     rows.append(("noise", "1", *noises))
     caption = _LARGEST.format(diagnosis.measured[worst(diagnosis)].name)
     return Facts(
-        "The gap on the hold-outs" + ", before to after" * has_changed,
+        f"The gap on the hold-outs{', before to after' if has_changed else ''}",
         tables=[Table(("log", "all", *CHANNELS), rows, _GAP)],
         pictures=[Picture(caption, lambda: diagnosis_sheet(diagnosis), ["acceleration", "split"])],
     )
 
 
 def _base(diagnosis: Diagnosis) -> Table:
-    """The re-identified base parameters, beside those of the vehicle file."""
+    """Return a table of the re-identified base parameters, beside those of the vehicle file."""
     car = diagnosis.model_before.vehicle
     nominal = {"pad_friction_f": car.front.pad_friction, "pad_friction_r": car.rear.pad_friction}
     rows = [

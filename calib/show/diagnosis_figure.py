@@ -1,6 +1,6 @@
-"""The picture of a diagnosis: replays of the hold-outs less what was measured.
+"""The picture of a diagnosis: open-loop replays of the hold-outs less what was measured.
 
-Replays use the pressure and the first speed only. Drawn are means over 0.1 s.
+A replay uses the pressure and the first speed of its log only. Lines are means over 0.1 s.
 """
 
 import math
@@ -22,11 +22,11 @@ from calib.show.style import BODY, FRONT, IDENTIFIED, NOMINAL, Stroke, as_text, 
 
 _NOISE: Stroke = {"color": BODY["color"], "linewidth": 0.6}
 _STEP = 0.02
-"""Step between drawn points [s], shorter than the mean."""
+"""Step between drawn points [s], which is shorter than the window of the mean."""
 _PAUSE = 0.6
 """Space between two logs on one axis [s]."""
 _LETTERS = 30
-"""Letters of a name that fit above the smallest panel."""
+"""Letters of a name that fit into half of the smallest panel."""
 
 
 def diagnosis_sheet(diagnosis: Diagnosis) -> Sheet:
@@ -57,18 +57,18 @@ def diagnosis_sheet(diagnosis: Diagnosis) -> Sheet:
 
 
 def moved(diagnosis: Diagnosis) -> bool:
-    """Whether the diagnosis changed the replays."""
+    """Return whether the diagnosis changed the replays."""
     return diagnosis.gap.rms_before != diagnosis.gap.rms_after
 
 
 def worst(diagnosis: Diagnosis) -> int:
-    """Index of the hold-out with the largest gap."""
+    """Return the index of the hold-out with the largest gap."""
     gaps = [diagnosis.gap.rms(log)[0] for log in diagnosis.gap.logs]
     return gaps.index(max(gaps))
 
 
 def _term(term: EmpiricalTerm) -> Panel:
-    """Values of the empirical term over its driver."""
+    """Return the panel of the empirical term over its driver, the quantity that it depends on."""
     unit = DRIVERS[term.driver]
     x = f"{term.driver} [{with_unit('', unit).strip() or '1'}]"
     y = f"change of {'brake torque' if term.on_brakes else 'force over weight'} [%]"
@@ -78,7 +78,10 @@ def _term(term: EmpiricalTerm) -> Panel:
 
 
 def _split_of(diagnosis: Diagnosis) -> tuple[dict[str, float], str]:
-    """Weights of the wheel speeds in the difference, of axles or sides, that shows the effect."""
+    """Return the weights of the wheel speeds in the difference that shows the effect, and its name.
+
+    It is the difference of the axles, or of the sides of an axle.
+    """
     channels = {effect.where.channel for effect in diagnosis.effects}
     for axle in ("front", "rear"):
         if f"{axle}_sides" in channels:
@@ -96,12 +99,13 @@ def _errors(
     weights: dict[str, float],
     unit: str,
 ) -> Panel:
-    """Replay less measurement of a weighted sum of channels, one log after another.
+    """Return a panel with replay less measurement of a weighted sum of channels.
 
-    Above each are its number and as much of its name as fits there.
+    The ``logs``, by their indices, stand one after another, each below its number and as much of
+    its name as fits there. ``weights`` are those of the channels by their names.
     """
-    noise = sum((w * diagnosis.gap.noise[CHANNELS.index(c)]) ** 2 for c, w in weights.items())
-    half, start, names = Z95 * math.sqrt(noise), 0.0, []
+    noises = [w * diagnosis.gap.noise[CHANNELS.index(channel)] for channel, w in weights.items()]
+    half, start, names = Z95 * math.hypot(*noises), 0.0, []
     lines: list[Line] = []
     replays = [
         ("after", diagnosis.replays_after, IDENTIFIED),
@@ -114,7 +118,7 @@ def _errors(
         measured, first = diagnosis.measured[i], not lines
         end = start + float(measured.time[-1] - measured.time[0])
         band = np.full(2, -half), np.full(2, half)
-        lines.append(Line([start, end], [0.0, 0.0], _NOISE, "noise, 95 %" * first, band))
+        lines.append(Line([start, end], [0.0, 0.0], _NOISE, "noise, 95 %" if first else "", band))
         for label, logs_of_replay, stroke in replays:
             replay = logs_of_replay[i]
             n = min(replay.time.size, measured.time.size)
@@ -122,7 +126,7 @@ def _errors(
             time = measured.time[:n] - measured.time[0]
             stride = samples_in(_STEP, measured.sample_time)
             shown = smooth(time, np.asarray(error))[::stride]
-            lines.append(Line(start + time[::stride], shown, stroke, label * first))
+            lines.append(Line(start + time[::stride], shown, stroke, label if first else ""))
         letters = min(_LETTERS, int(2 * _LETTERS * (end - start) / duration))
         names.append((as_text(f"{i + 1} {measured.name}"[:letters]), start))
         start = end + _PAUSE

@@ -18,7 +18,7 @@ from calib.store.version import Stored
 from calib.table.table import Table
 
 _FRAME = '<iframe srcdoc="{}" title="{}" style="border: 0; width: 100%; height: 40rem"></iframe>'
-"""A page in a frame, where its style touches nothing else."""
+"""A page in a frame, so that its style does not change the notebook."""
 
 
 def plot(result: Viewable) -> Figure:

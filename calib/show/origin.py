@@ -1,4 +1,4 @@
-"""Where the results of a page come from: files with their digests, versions, date."""
+"""Where the results of a page come from: table, date, program, and files with their digests."""
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -18,9 +18,10 @@ def origin(
     date: str,
     files: Mapping[str, Path] | None = None,
 ) -> Facts:
-    """Where the results come from: ``logs`` (role, name, SHA-256), and other ``files`` by role.
+    """Return the part of a page that says where its results come from.
 
-    Raises OSError for a file that is gone.
+    ``logs`` are roles, names and SHA-256; ``files`` are other inputs by their roles, whose digests
+    are computed here. Raises OSError for a file that is gone.
     """
     inputs = [(name, role, digest) for role, name, digest in logs]
     inputs += [(path.name, role, file_digest(path)) for role, path in (files or {}).items()]

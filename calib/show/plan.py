@@ -1,4 +1,7 @@
-"""A plan as facts: a card for the driver, what each step brings, and what a fit reached of it."""
+"""A plan as facts: cards for the driver, the widths after each step, and those that a fit reached.
+
+A width is the 95 % half width of the brake torque, over the torque [1].
+"""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -13,7 +16,7 @@ if TYPE_CHECKING:  # a fit needs nothing that makes a plan
 
 
 def plan_facts(plan: "Plan") -> Facts:
-    """What to do, what it brings, and what it cannot bring."""
+    """Return what to do, how well the torque is then known, and what no run can improve."""
     named = plan.after._asdict().items()
     widths = ", ".join(f"{axles} ±{100.0 * width:.1f}{NBSP}%" for axles, width in named)
     wanted, met = any(plan.want.widths), plan.want.met_by(plan.after)
@@ -58,14 +61,14 @@ def _card(plan: "Plan", step: "Step", number: int) -> Facts:
 
 
 def achieved_facts(result: Achieved) -> Facts:
-    """Planned against achieved."""
+    """Return the part of a fit's facts that compares the planned widths with those achieved."""
     word = "as planned" if result.reached else "wider than planned"
     table = _widths([("planned", result.planned), ("achieved", result.achieved)])
     return Facts("Planned and achieved", word, tables=[table], notes=result.reasons)
 
 
 def _widths(rows: Sequence[tuple[str, Sequence[float]]]) -> Table:
-    """Relative half widths [1] in per cent; "-" for one that is not known or not asked for."""
+    """Return a table of widths in per cent; "-" for a width that is not known or not wanted."""
     cells = [
         (name, *(f"{100.0 * width:.1f}" if 0.0 < width < 10.0 else "-" for width in widths))
         for name, widths in rows

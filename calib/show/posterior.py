@@ -1,7 +1,7 @@
 """What the ramps say of a car: prior and posterior of each quantity, and two that correlate.
 
-prior      |=========|      from -1 to 1: 95 % of what `calib.car.beliefs` has for any car
-posterior     |-o-|         95 % of the draws of the table, in the same measure
+prior      |=========|      from -1 to 1: 95 % interval of `calib.car.beliefs`, for any car
+posterior     |-o-|         95 % interval of the draws of the table, over the prior's half width
 """
 
 from typing import NamedTuple
@@ -17,11 +17,11 @@ from calib.show.style import FRONT, NOMINAL, SHADE, Array, dots
 from calib.table.table import Table
 
 _OUTSIDE = 2.1
-"""End of the axis, over the half width of a prior [1]."""
+"""End of the axis, in half widths of a prior [1]."""
 
 
 class _Quantity(NamedTuple):
-    """Draws (n,) of a quantity, and its prior."""
+    """A quantity with its draws (n,) from the posterior, and its prior."""
 
     name: str
     draws: Array
@@ -29,12 +29,12 @@ class _Quantity(NamedTuple):
 
     @property
     def scaled(self) -> Array:
-        """Distance of the draws from the prior mean, over its 95 % half width [1]."""
+        """Distance of the draws from the prior mean, over the prior's 95 % half width [1] (n,)."""
         return np.asarray((self.draws - self.prior.mean) / (Z95 * self.prior.sigma))
 
 
 def quantities(table: Table) -> list[_Quantity]:
-    """Each quantity that the fit draws, the ratio of the pads first."""
+    """Return the quantities that the fit draws, the ratio of the pads first, tyres second."""
     e, pads = ensemble_of(table.vehicle, table.draws), CAR.log_pad_ratio
     pads = pads._replace(sigma=pad_ratio_prior(table.vehicle, None).sigma)
     mean = 0.5 * (e.compliance_f + e.compliance_r)
@@ -53,12 +53,15 @@ def quantities(table: Table) -> list[_Quantity]:
 
 
 def forest(table: Table) -> Panel:
-    """Posterior of each quantity over its prior, and which share of the width is left."""
+    """Return the panel with prior and posterior of each quantity.
+
+    A text says which share of the width of the prior is left.
+    """
     shown = quantities(table)[::-1]
     lines, texts = list[Line](), []
     for i, quantity in enumerate(shown):
         low, middle, high = np.quantile(quantity.scaled, [0.025, 0.5, 0.975])
-        label = "posterior, 95 %" * (not i)
+        label = "" if i else "posterior, 95 %"
         lines.append(Line([low, high], [i, i], FRONT, label))
         lines.append(Line([middle], [i], dots(FRONT, 4.0)))
         texts.append((f"{50.0 * (high - low):.0f} % left", _OUTSIDE, i + 0.25))
@@ -78,7 +81,10 @@ def forest(table: Table) -> Panel:
 
 
 def pairs(table: Table) -> Panel:
-    """Draws of the ratios of pads and tyres; a ramp without v measures their sum alone."""
+    """Return the panel with the draws of the ratios of pads and of tyres.
+
+    A ramp without v measures only the sum of the two ratios.
+    """
     pad, tyre, *_ = quantities(table)
     look = dots(NOMINAL, 2.0, alpha=0.6, rasterized=True)
     lines = [Line(100.0 * pad.draws, 100.0 * tyre.draws, look)]

@@ -1,10 +1,10 @@
-"""The ramps of a calibration as points for Fig. 6.
+"""The ramps of a calibration as measured points for Fig. 6.
 
-The curves of a table over eta are those of a car without air drag, grade and rolling resistance. So
-are the points that are compared with them:
-
-    p --pads--> brake forces --the car without resistance--> z, D, f1, f2, and its eta
-    eta as measured, over that of the identified car on this run, times its eta without resistance
+The curves of a table are those of a car without air drag, grade and rolling resistance, and so are
+the points that are compared with the curves. The pads of the table turn the pressure into brake
+forces, and the model of the car without resistance turns these forces into z, f1 and f2. The eta of
+a point is the measured eta, over the model's eta with the resistance of this run, times the model's
+eta without resistance.
 """
 
 from dataclasses import dataclass, replace
@@ -29,10 +29,13 @@ _GROUP = 5
 
 @dataclass(frozen=True)
 class MeasuredRamp:
-    """A ramp in blocks, as the table has it, without resistance. Shapes (k,), all [1].
+    """A ramp in k blocks of 0.05 s, as the car would drive it without resistance.
 
-    ``eta``, ``f1``, ``f2`` are NaN where nothing brakes. ``braked`` blocks with enough pressure;
-    ``is_two_axles`` whether both axles brake.
+    Attributes
+    ----------
+    eta, f1, f2 : as in Fig. 6 [1], (k,) each; NaN where nothing brakes.
+    braked : blocks (k,) with enough pressure.
+    is_two_axles : whether both axles brake.
     """
 
     eta: Array
@@ -43,9 +46,10 @@ class MeasuredRamp:
 
 
 def measure(table: Table, log: Log) -> MeasuredRamp:
-    """Evaluate a ramp with the pads, the resistance and the draws of ``table``.
+    """Return a ramp as points, with the pads and the draws of the posterior of ``table``.
 
-    The forces are smooth, the noise is in eta and slip. Raises LogError as `signals` does.
+    f1 and f2 are smooth, as they are computed from the pressure; eta has the noise of the wheel
+    speeds. Raises LogError as `calib.run.run.Run.signals` does.
     """
     read = Run(log, table.vehicle)
     car = read.car
@@ -79,9 +83,9 @@ def measure(table: Table, log: Log) -> MeasuredRamp:
 
 
 def points(ramp: MeasuredRamp, x: Array, y: Array, stroke: Stroke, label: str = "") -> Line:
-    """Braked blocks as means of `_GROUP` consecutive ones; an incomplete group is left out."""
+    """Return points over ``x`` and ``y`` (k,): means of `_GROUP` braked blocks in a row."""
     braked = np.array([x, y])[:, ramp.braked]
-    count = braked.shape[1] // _GROUP
+    count = braked.shape[1] // _GROUP  # an incomplete group is left out
     means = braked[:, : count * _GROUP].reshape(2, count, _GROUP).mean(axis=2)
     marker = "^" if stroke is REAR else "o"
     look = {"linestyle": "", "mfc": "white", "ms": 3.4, "mew": 0.8, "zorder": 3}

@@ -1,6 +1,7 @@
 """A gauge study: its verdicts, the causes of scatter, and the values of the ramps as a picture.
 
-value |  .  o             one column a car, one mark a station, a line at the car's mean
+A panel shows the values of a metric: a column for each car, a marker for each station, and a line
+at the mean of the car.
 """
 
 from functools import partial
@@ -23,7 +24,7 @@ _STATIONS, _MARKS = (FRONT, REAR, IDENTIFIED, NOMINAL), "osD^vPX"
 
 
 def gauge_facts(study: GaugeStudy) -> Facts:
-    """Verdict of a gauge study, and each metric with its causes of scatter."""
+    """Return the verdict of a gauge study, and each metric with its causes of scatter."""
     judged = [one for one in study.results if one.verdict != GaugeVerdict.NOT_JUDGED]
     within = sum(one.verdict not in REFUSED for one in judged)
     sentences = [f"{within} of {len(judged)} metrics within the limits"]
@@ -54,7 +55,7 @@ def gauge_facts(study: GaugeStudy) -> Facts:
 
 
 def _shares(result: GaugeResult) -> tuple[str, ...]:
-    """%GRR of the cars with its interval, ndc, %GRR of the tolerance; "" where not known."""
+    """Return the row of a metric: %GRR with its interval, ndc, %GRR of the tolerance, verdict."""
     g, shares, of_tolerance = result.gauge, ("", "", ""), ""
     if g and g.cars_differ:
         low, high = (100.0 * end for end in g.grr.ci95)
@@ -65,13 +66,14 @@ def _shares(result: GaugeResult) -> tuple[str, ...]:
 
 
 def _deviations(result: GaugeResult) -> tuple[str, ...]:
+    """Return the row of a metric with the standard deviation of each cause of scatter."""
     components, shown = result.gauge.components if result.gauge else {}, metric_of(result.name)
     deviations = {name: f"{shown.factor * one.sd:.3g}" for name, one in components.items()}
     return shown.heading, *(deviations.get(name, "") for name in _CAUSES)
 
 
 def gauge_sheet(study: GaugeStudy) -> Sheet:
-    """The sheet of a gauge study, a panel for each metric."""
+    """Return the sheet of a gauge study, with a panel for each metric."""
     summary = gauge_facts(study)
     stations = f", {len(study.stations)} stations" if study.stations else ""
     return Sheet(
@@ -85,7 +87,7 @@ def gauge_sheet(study: GaugeStudy) -> Sheet:
 
 
 def _panel(study: GaugeStudy, result: GaugeResult) -> Panel:
-    """Values of a metric: one column a car, its stations side by side."""
+    """Return the panel of a metric: a column for each car, its stations side by side."""
     cars, stations, shown = study.cars, study.stations or ("",), metric_of(result.name)
     x = np.array([float(cars.index(r.car)) for r in study.readings])
     y = shown.factor * result.values

@@ -1,4 +1,4 @@
-"""A car at the station: its facts, and every file of its run, made before any is published."""
+"""A car at the station: its facts, and all files of its run, made before the first is published."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -37,7 +37,8 @@ from calib.store.version import Stored
 from calib.table.budget import advice_lines
 from calib.table.unseen import unseen_line
 
-_AS = {DRAFT: "a draft until a person decides", RELEASED: RELEASED, REJECTED: REJECTED}
+_STATES = {DRAFT: "a draft until a person decides", RELEASED: RELEASED, REJECTED: REJECTED}
+"""State of the table in words."""
 _CURVES = "f1 and f2 of the ramp, and the map that an ECU looks up, with their 95 % bands."
 _MISSED = "What fails the car, and what lets it pass with a warning."
 
@@ -51,9 +52,9 @@ class StationRun:
 
 
 def station_facts(run: StationRun) -> Facts:
-    """Verdict on a car, broken limits with their next steps, and all metrics.
+    """Return the verdict on a car, broken limits with their next steps, and all metrics.
 
-    Equal inputs give equal bytes of the page: no path and no clock is in it.
+    Equal inputs give equal bytes of the page, as it has no path and no time of day.
     """
     outcome, stored = run.outcome, run.stored
     date = stored.state.stored_at[:10]
@@ -69,7 +70,7 @@ def station_facts(run: StationRun) -> Facts:
     return Facts(
         title="Brake torque calibration of "
         + (identity.get("vin") or identity.get("serial") or stored.name),
-        headline=f"{stored.id} is {_AS[stored.state.word]}; {outcome.headline}",
+        headline=f"{stored.id} is {_STATES[stored.state.word]}; {outcome.headline}",
         verdict=outcome.verdict,
         word=WORDS[outcome.verdict],
         rows=[
@@ -97,18 +98,18 @@ def station_facts(run: StationRun) -> Facts:
 
 
 def _missed(outcome: StationOutcome) -> Cells:
-    """Limits that are broken, with the next step."""
+    """Return a table of the broken limits, those that fail the car first, with next steps."""
     steps = [
         (check.verdict, check.text, check.action)
         for verdict in (FAILED, WARNING)
         for check in outcome.checks
         if check.verdict == verdict
     ]
-    return Cells(("verdict", "result", "next step"), steps, _MISSED, [one[0] for one in steps])
+    return Cells(("verdict", "result", "next step"), steps, _MISSED, [step[0] for step in steps])
 
 
 def _run(outcome: StationOutcome, date: str) -> list[Row]:
-    """Identity of the car, date, operator, limits and golden table."""
+    """Return what was judged: the car, date, operator, limits and golden table."""
     return [
         ("Vehicle", outcome.table.vehicle.name),
         *((TITLES[name], value) for name, value in outcome.identity.items()),
@@ -123,10 +124,11 @@ def _run(outcome: StationOutcome, date: str) -> list[Row]:
 def store_and_write(
     outcome: StationOutcome, store: Store, forms: Sequence[str], work: Path
 ) -> tuple[Stored, dict[str, Any]]:
-    """Write everything into ``work``, then store the table; return it and `station.json`.
+    """Write all files into the folder ``work``, then store the table.
 
-    The version is stored with its state in one step; where another run has taken its number
-    meanwhile, the files are written again. Raises OSError, ExchangeError, StoreError.
+    Return the stored table and `station.json`. The version is stored with its state in one step. If
+    another run took the number of the version meanwhile, the files are written again. Raises
+    OSError, ExchangeError, StoreError.
     """
     results = list(outcome.results)
     while True:

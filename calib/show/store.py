@@ -1,4 +1,8 @@
-"""Facts of the tables of a store: lists, one, a mean, what differs, what happened."""
+"""Facts and JSON documents of the tables of a store.
+
+They tell the list of tables, one table, its history, its damage, a mean of several cars, and how
+two tables, or a table and a file, differ.
+"""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
@@ -26,13 +30,14 @@ if TYPE_CHECKING:
 
 
 def listed(rows: Sequence[ListedVersion]) -> Facts:
-    """Versions of tables, one a row; notes say which cannot be used, and why."""
+    """Return a list of versions of tables; notes say which cannot be used, and why."""
     heads = ("table", "state", "stored", "car", "logs", "pads f/r", "range [g]", "band", "verdict")
     flaws = [f"{row['id']} cannot be used: {row['flaw']}" for row in rows if row["flaw"]]
     return Facts(tables=[Table(heads, list(map(_listed, rows)))], notes=flaws)
 
 
 def _listed(row: ListedVersion) -> Sequence[str]:
+    """Return the row of a version in the list."""
     cells = (row["id"], row["state"], row["date"][:10])
     if row["flaw"]:
         return *cells, *[""] * 6
@@ -49,7 +54,7 @@ def _listed(row: ListedVersion) -> Sequence[str]:
 
 
 def table_facts(stored: Stored) -> Facts:
-    """Use, quality and origin of a table."""
+    """Return the facts of a table: its torques, whether it may be used, and its record."""
     table, use = stored.table, usability(stored)
     budgets = table.budget.axles
     logs = ", ".join(log.name for log in table.provenance.logs)
@@ -71,7 +76,7 @@ def table_facts(stored: Stored) -> Facts:
 
 
 def _made_of(stored: Stored) -> Facts:
-    """Record of a table without its curves."""
+    """Return the record of a table, without its curves."""
     table, car, key = stored.table, stored.table.vehicle, signer(stored)
     scale = table.calibration.pad_scale
     rows: list[Row] = [
@@ -96,7 +101,7 @@ def _made_of(stored: Stored) -> Facts:
 
 
 def shown_document(stored: Stored) -> dict[str, Any]:
-    """The JSON document of a table."""
+    """Return the JSON document of a table."""
     record, curves = stored.table.content()
     eta, D = stored.table.difference.peak
     return {
@@ -112,7 +117,7 @@ def shown_document(stored: Stored) -> dict[str, Any]:
 
 
 def history(entries: Sequence[dict[str, Any]]) -> Facts:
-    """What happened to a table: when, by whom and why."""
+    """Return what happened to a table: when, by whom and why."""
     rows = []
     for entry in entries:
         event, id_ = entry["state"], f"{entry['table']}@{entry['version']}"
@@ -125,18 +130,18 @@ def history(entries: Sequence[dict[str, Any]]) -> Facts:
 
 
 def verified(verdicts: Sequence[StoreEntry], with_key: bool) -> Facts:
-    """Damage of each version, and its signature where a key is given."""
+    """Return the damage of each version, and its signature if a key was given."""
     rows = []
-    for one in verdicts:
-        by = f"signed as {one.signed}" if one.signed else "not signed by this key"
-        sound = f"sound, {by}" if with_key else "sound"
-        rows.append((one.id, "; ".join(one.violations) or sound))
-    colours = ["" if one.sound else FAILED for one in verdicts]
+    for entry in verdicts:
+        signature = f"signed as {entry.signed}" if entry.signed else "not signed by this key"
+        sound = f"sound, {signature}" if with_key else "sound"
+        rows.append((entry.id, "; ".join(entry.violations) or sound))
+    colours = ["" if entry.sound else FAILED for entry in verdicts]
     return Facts(tables=[Table(("table", "verdict"), rows, verdicts=colours)])
 
 
 def merged(stored: Stored) -> Facts:
-    """The mean of several cars, with the spread between them."""
+    """Return the facts of a mean of several cars, with the spread between the cars."""
     cells = []
     for figure in mean_figures(stored.table):
         half, between = (
@@ -154,7 +159,7 @@ def merged(stored: Stored) -> Facts:
 
 
 def merged_document(stored: Stored) -> dict[str, Any]:
-    """The JSON document of a mean of several cars."""
+    """Return the JSON document of a mean of several cars."""
     table = stored.table
     return {
         **stored.address,
@@ -168,7 +173,7 @@ def merged_document(stored: Stored) -> dict[str, Any]:
 
 
 def compared_document(difference: "Difference", first: Stored, second: Stored) -> dict[str, Any]:
-    """The JSON document of two tables."""
+    """Return the JSON document of the differences of two tables."""
     return {
         "a": first.id,
         "b": second.id,
@@ -179,7 +184,7 @@ def compared_document(difference: "Difference", first: Stored, second: Stored) -
 
 
 def compared(difference: "Difference", first: Stored, second: Stored) -> Facts:
-    """Whether and where two tables differ."""
+    """Return whether and where two tables differ."""
     a, b = (f"{stored.id} ({stored.state.word})" for stored in (first, second))
     headline = f"{a} and {b} are {difference.verdict}"
     if difference.identical:
@@ -206,14 +211,18 @@ def compared(difference: "Difference", first: Stored, second: Stored) -> Facts:
 def returned_document(
     file: "Returned", stored: Stored | None, difference: "FromFile"
 ) -> dict[str, Any]:
-    """The JSON document of a file of a calibration tool."""
+    """Return the JSON document of a file of a calibration tool."""
     grids = file.content.grids
     return {
         "format": file.format,
         "facts": file.facts,
         "axes": file.content.axes,
-        "curves": {n: {"x": x[0], "y": y} for n, (x, y) in grids.items() if len(x) == 1},
-        "maps": {n: {"axes": x, "y": y} for n, (x, y) in grids.items() if len(x) > 1},
+        "curves": {
+            name: {"x": axes[0], "y": y} for name, (axes, y) in grids.items() if len(axes) == 1
+        },
+        "maps": {
+            name: {"axes": axes, "y": y} for name, (axes, y) in grids.items() if len(axes) > 1
+        },
         "scalars": file.content.scalars,
         "units": file.units,
         "in_store": stored is not None,
@@ -225,7 +234,10 @@ def returned_document(
 
 
 def returned(file: "Returned", stored: Stored | None, difference: "FromFile") -> Facts:
-    """Whether a file of a calibration tool agrees with the table that it names."""
+    """Return whether a file of a calibration tool agrees with the table that it names.
+
+    ``stored`` is None where the store does not have that table.
+    """
     if difference.wrong:
         headline = f"{file.table} does not agree: edited or damaged; export the table again"
     elif stored is None:

@@ -1,6 +1,6 @@
-"""A table on a page: f1 and f2 (Fig. 6), its map of the pads, its tyre (Fig. 3), its posterior.
+"""A table as a picture: f1 and f2 (Fig. 6), the map of the pads, the tyre (Fig. 3), the posterior.
 
-With the ramps it was made of, their measured points are drawn too.
+Where the ramps that the table was made of are given, their measured points are drawn, too.
 """
 
 import numpy as np
@@ -23,7 +23,7 @@ _FREED = "ramps, drag taken out"
 
 
 def table_sheet(table: Table, name: str, ramps: _Ramps = ()) -> Sheet:
-    """Return the sheet of one table. ``name`` is its id; ``ramps`` measured points of its logs."""
+    """Return the sheet of a table of the id ``name``, with the measured points of ``ramps``."""
     (front, rear), pads = per_bar(table), " and ".join(ramp_pads(table))
     return Sheet(
         kind="table",
@@ -41,12 +41,15 @@ def table_sheet(table: Table, name: str, ramps: _Ramps = ()) -> Sheet:
     )
 
 
-def _note(table: Table, ramps: bool) -> str:
+def _note(table: Table, has_points: bool) -> str:
+    """Return what the table was made of, and how to read the picture."""
     origin = table.provenance
-    sources = [p.id for p in origin.parents] if table.spread else [log.name for log in origin.logs]
+    sources = [log.name for log in origin.logs]
+    if table.spread:
+        sources = [parent.id for parent in origin.parents]
     note = f"Digest {table.digest[:16]}, made of {', '.join(sources)} with {origin.program}. Bands "
     note += "are 95 %. Dashed: no ramp measured it. Grey: beyond the usable range."
-    if ramps:
+    if has_points:
         note += " Rings and triangles: the ramps without drag, as the table is; means over 0.25 s."
     return note
 
@@ -54,7 +57,7 @@ def _note(table: Table, ramps: bool) -> str:
 def _curve(
     x: Array, y: Array, flag: Array, stroke: Stroke, label: str, band: tuple[Array, Array]
 ) -> list[Line]:
-    """A curve of a table (n,) with its band, thin and dashed where no ramp measured it."""
+    """Return a curve of a table (n,) with its band; dashed where its ``flag`` is not `MEASURED`."""
     thin: Stroke = {**stroke, "linestyle": style.DASHED, "linewidth": 0.9}
     measured = np.where(flag == MEASURED, y, np.nan)
     thick: Stroke = {**stroke, "linestyle": "-", "linewidth": 1.6}
@@ -62,7 +65,7 @@ def _curve(
 
 
 def _tyre(table: Table) -> Panel:
-    """Fig. 3: normalised force over slip, common to both axles, at the mean wheel load."""
+    """Return the panel of Fig. 3: force over load over slip, of both axles, at the mean load."""
     curve = table.tyre
     x, band = 100.0 * curve.slip, (curve.lower, curve.upper)
     return Panel(
@@ -77,28 +80,28 @@ def _tyre(table: Table) -> Panel:
 
 
 def _curves(table: Table, ramps: _Ramps) -> Panel:
-    """Fig. 6; the end of the usable range is marked."""
+    """Return the panel of Fig. 6, with the measured points; a line marks the usable range."""
     p = table.paper
-    x, two_axles = 100.0 * (p.eta - 1.0), [one for one in ramps if one.is_two_axles]
-    f = [
+    x, two_axles = 100.0 * (p.eta - 1.0), [ramp for ramp in ramps if ramp.is_two_axles]
+    lines = [
         *_curve(x, p.f1, p.flag, style.FRONT, "f1, front", (p.f1_lower, p.f1_upper)),
         *_curve(x, p.f2, p.flag, style.REAR, "f2, rear", (p.f2_lower, p.f2_upper)),
     ]
     for i, ramp in enumerate(two_axles):
         eta_percent = 100.0 * (ramp.eta - 1.0)
-        f.append(points(ramp, eta_percent, ramp.f1, style.FRONT, "" if i else _FREED))
-        f.append(points(ramp, eta_percent, ramp.f2, style.REAR))
+        lines.append(points(ramp, eta_percent, ramp.f1, style.FRONT, "" if i else _FREED))
+        lines.append(points(ramp, eta_percent, ramp.f2, style.REAR))
     ends = x[0] - 0.02 * (x[-1] - x[0]), x[-1] + 0.08 * (x[-1] - x[0])
     end = 100.0 * (p.usable_eta[1] - 1.0)
-    line: Stroke = {"color": style.BODY["color"], "linewidth": 0.9, "linestyle": style.LONG}
+    upright: Stroke = {"color": style.BODY["color"], "linewidth": 0.9, "linestyle": style.LONG}
     zero = Line(ends, (0.0, 0.0), {"color": style.BODY["color"], "linewidth": 0.6})
     return Panel(
         "f1-f2",
         "Force over load, less deceleration over g (Fig. 6)",
         style.ETA,
         "f1, f2 [1]",
-        [*f, zero],
-        [Mark(end, end, line, f"usable to {end:.2f} %, {p.usable[1]:.2f} g"),
+        [*lines, zero],
+        [Mark(end, end, upright, f"usable to {end:.2f} %, {p.usable[1]:.2f} g"),
          Mark(end, ends[1], {"color": style.SHADE})],
         xlim=ends,
         columns=2,

@@ -1,4 +1,4 @@
-"""A vehicle: its facts, the effects it may have, and Fig. 2, the torques of its axles.
+"""A vehicle: its facts, the cards of effects, and Fig. 2, the brake torques of its axles.
 
 T_r |  .-I-.     on the I curve both axles use the same friction;
     | /  ,-' beta  on the beta line the pads share one pressure;
@@ -30,13 +30,13 @@ _KNM = 1e3
 
 
 def vehicle_facts(vehicle: Vehicle) -> Facts:
-    """Loads and torques of a vehicle with its nominal pads."""
+    """Return loads and torques of a vehicle with its nominal pads."""
     consequences = characteristics(vehicle)
     biased = consequences["front_biased_up_to"]
     always = {None: "front always", 0.0: "rear always"}
     sides = consequences["front"], consequences["rear"]
     axles = [
-        (name, *(f"{axle[key]:.{digits}f}" for axle in sides))
+        (name, *(f"{side[key]:.{digits}f}" for side in sides))
         for name, key, digits in (
             ("torque per bar, one wheel [N m]", "torque_per_bar_wheel", 2),
             ("torque per bar, axle [N m]", "torque_per_bar_axle", 2),
@@ -64,12 +64,13 @@ def vehicle_facts(vehicle: Vehicle) -> Facts:
 
 
 def cards(effects: Sequence[Card]) -> Facts:
-    """Each effect with its cause."""
-    return Facts(tables=[Cells(("effect", "cause"), [(one.name, one.cause) for one in effects])])
+    """Return each effect with its cause."""
+    rows = [(effect.name, effect.cause) for effect in effects]
+    return Facts(tables=[Cells(("effect", "cause"), rows)])
 
 
 def card(effect: Card) -> Facts:
-    """The card of an effect; its parameters as expected value, spread and range."""
+    """Return the card of an effect; parameters have expected value, spread and range."""
     head = ("name", "cause", "equation", "source", "looks_like")
     rows = [(name.replace("_", " "), str(getattr(effect, name))) for name in head]
     for p in effect.parameters:
@@ -80,9 +81,9 @@ def card(effect: Card) -> Facts:
 
 
 def vehicle_sheet(vehicle: Vehicle) -> Sheet:
-    """Fig. 2: torques of the axles up to 1 g, the decelerations marked along the beta line.
+    """Return the sheet of Fig. 2: torques of the axles up to 1 g.
 
-    As in (9), the inertia of the wheels is neglected.
+    Points mark the decelerations on the beta line. As in (9), the wheels' inertia is neglected.
     """
     share, per_g = front_share(vehicle, 0.0), pressure_per_g(vehicle) / BAR
     front, rear = vehicle.front, vehicle.rear
@@ -90,7 +91,7 @@ def vehicle_sheet(vehicle: Vehicle) -> Sheet:
     ratio = gain_r / gain_f  # T_br/T_bf at one pressure, (2)
 
     def beta(z: Array) -> Array:
-        """Torques of the axles [kN m] at z [1] on the beta line, (5), (9)."""
+        """Return the axles' torques [kN m] (n, 2) at z [1] (n,) on the beta line, (5), (9)."""
         per_front = 1.0 / front.rolling_radius + ratio / rear.rolling_radius
         return np.array([1.0, ratio]) * (np.asarray(z)[:, None] * vehicle.weight / per_front / _KNM)
 
