@@ -9,7 +9,7 @@ from calib.base.errors import NotFiniteError
 from calib.base.warning import UNITS, PlausibilityWarning, to_dict
 
 
-def made(code="pressure_zero", expected=(-0.5, 0.5)):
+def warning_of(code="pressure_zero", expected=(-0.5, 0.5)):
     return PlausibilityWarning(code, "ramp", -2.0, expected, ("the zero of p_mc",), "zero it")
 
 
@@ -23,7 +23,7 @@ def made(code="pressure_zero", expected=(-0.5, 0.5)):
     ],
 )
 def test_a_bound_that_is_not_there_is_null(expected, words, ends):
-    warning = made(expected=expected)
+    warning = warning_of(expected=expected)
     assert warning.bounds == words
     document = json.loads(json.dumps(to_dict(warning), allow_nan=False))
     assert document["expected"] == ends
@@ -33,7 +33,7 @@ def test_a_bound_that_is_not_there_is_null(expected, words, ends):
 @pytest.mark.parametrize("code", [*UNITS, "valid_share"])
 def test_every_code_has_words(code):
     """A title comes from the rule of the code, or else from its metric."""
-    title = made(code).title
+    title = warning_of(code).title
     assert title
     assert title != code or "_" not in code
 

@@ -34,7 +34,7 @@ def result_of(name, content):
     return dict.fromkeys((f"{name}.txt", f"sim/{name}.csv", "both.txt", VERDICT), content)
 
 
-def seen(out):
+def visible_files(out):
     """Files that people see."""
     return {name: text for name, text in files(out).items() if not name.startswith(".")}
 
@@ -59,14 +59,14 @@ def test_a_kill_at_every_step_leaves_one_run_or_no_verdict(tmp_path):
         out = tmp_path / str(step)
         run(out, "old", "1")
         stopped = killed(lambda out=out: run(out, "new", "2"), step)
-        remaining = seen(out)
+        remaining = visible_files(out)
         assert VERDICT not in remaining or remaining in (
             result_of("old", "1"),
             result_of("new", "2"),
         )
         outcomes.add(remaining.get(VERDICT))
         run(out, "third", "3")
-        assert seen(out).items() >= result_of("third", "3").items()
+        assert visible_files(out).items() >= result_of("third", "3").items()
         assert not [p for p in out.iterdir() if p.name.startswith(".")], step
         if not stopped:
             break
@@ -115,10 +115,10 @@ def test_what_is_in_the_way_is_found_before_anything_is_changed(tmp_path, name):
     else:
         (out / name).unlink()
         (out / name).mkdir()
-    before = files(out)
+    previous = files(out)
     with pytest.raises(OSError, match=name):
         run(out, "new", "2")
-    assert files(out) == before
+    assert files(out) == previous
 
 
 def test_many_writers_of_one_folder_wait_for_each_other(tmp_path):
@@ -130,8 +130,8 @@ def test_many_writers_of_one_folder_wait_for_each_other(tmp_path):
             for _ in range(25):
                 with locked_folder(folder):
                     count = folder / "count"
-                    before = int(count.read_text()) if count.exists() else 0
-                    count.write_text(str(before + 1))
+                    previous = int(count.read_text()) if count.exists() else 0
+                    count.write_text(str(previous + 1))
             os._exit(0)
     for child in children:
         os.waitpid(child, 0)

@@ -193,8 +193,8 @@ def test_what_was_weighed_is_known_to_half_a_percent_or_as_the_file_says():
 
 
 def test_a_known_error_of_the_mass_in_the_file_counts_no_more():
-    known = Effects({"mass_error": {"mass_error": 0.1}, "road_grade": {"grade": 0.01}})
-    assert with_mass(replace(CAR, effects=known), 2000.0).effects.names == ("road_grade",)
+    effects = Effects({"mass_error": {"mass_error": 0.1}, "road_grade": {"grade": 0.01}})
+    assert with_mass(replace(CAR, effects=effects), 2000.0).effects.names == ("road_grade",)
 
 
 @pytest.mark.parametrize("factor", [0.45359237, 1.0 / 0.45359237, 0.1])

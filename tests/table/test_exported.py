@@ -31,11 +31,11 @@ def curved():
 def test_breakpoints_are_those_where_the_map_bends():
     """A map that is linear between few values of z and shift keeps these values, without error."""
     values = np.outer([1.0, 0.2, 0.5], [0.3, -0.2, 0.4, 0.5])[..., None]
-    bent = PadMap.from_grids(
+    bent_map = PadMap.from_grids(
         [np.array([0.1, 0.4, 0.8]), np.array([-0.004, 0.003, 0.008, 0.02]), np.zeros(1)],
         **dict.fromkeys(made_map().names, values) | {"share": np.ones_like(values)},
     )
-    fine = bent.on([np.linspace(0.1, 0.8, 15), np.linspace(-0.004, 0.02, 25), np.zeros(1)])
+    fine = bent_map.on([np.linspace(0.1, 0.8, 15), np.linspace(-0.004, 0.02, 25), np.zeros(1)])
     written = written_map(fine, Precision(points=4), "map")
     assert written.axes["z"].values[[0, -1]].tolist() == [0.1, 0.8]
     assert {0.4} <= set(written.axes["z"].values.round(12))

@@ -33,8 +33,8 @@ def test_the_closed_form_is_sound(table):
 )
 def test_a_wrong_cell_is_named(table, part, column, row, value, says):
     wrong = replace(table, **{part: changed(getattr(table, part), column, row, value)})
-    found = " | ".join(violations(wrong))
-    assert re.search(says, found), found
+    flaws = " | ".join(violations(wrong))
+    assert re.search(says, flaws), flaws
 
 
 def test_18_is_held_to_a_billionth(table):

@@ -100,10 +100,10 @@ def test_only_its_own_reading_is_off(name):
 
 def test_the_scale_is_of_what_is_sensed_and_not_of_the_bias():
     bias, scale = {"bias": 0.5}, {"scale_error": 0.1}
-    one = driven({"accelerometer_bias": bias, "accelerometer_scale": scale}, wave)
-    assert one["a_x"] == pytest.approx(1.1 * RIGHT["a_x"] + 0.5)
-    other = driven({"accelerometer_scale": scale, "accelerometer_bias": bias}, wave)
-    assert np.array_equal(one["a_x"], other["a_x"])
+    log = driven({"accelerometer_bias": bias, "accelerometer_scale": scale}, wave)
+    assert log["a_x"] == pytest.approx(1.1 * RIGHT["a_x"] + 0.5)
+    in_other_order = driven({"accelerometer_scale": scale, "accelerometer_bias": bias}, wave)
+    assert np.array_equal(log["a_x"], in_other_order["a_x"])
 
 
 @pytest.mark.parametrize("name", ["speed_delay", "wheel_speed_delay"])
@@ -132,6 +132,6 @@ def test_a_runout_is_the_ripple_of_an_eccentric_ring():
     motion = made_motion(np.full(50, 20.0))
     centre = -0.002j * np.exp(1j * (motion.history.angle_f + 0.3))  # in radii of the ring
     lever = np.abs(1.0 + 0.0j - centre)  # of the teeth under the sensor
-    found = CATALOGUE["tone_ring_runout"].wheel_speed(SEDAN, RUNOUT, motion)
-    assert found["fl"] == pytest.approx(lever, abs=2e-5)
-    assert np.array_equal(found["fr"], np.ones(50))
+    speed_factors = CATALOGUE["tone_ring_runout"].wheel_speed(SEDAN, RUNOUT, motion)
+    assert speed_factors["fl"] == pytest.approx(lever, abs=2e-5)
+    assert np.array_equal(speed_factors["fr"], np.ones(50))

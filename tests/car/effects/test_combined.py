@@ -34,8 +34,10 @@ def test_totals_are_the_sums_worked_out_here(area, c_rr, share):
 
 
 def test_what_both_have_is_taken_from_the_other_with_its_sigma_and_its_terms():
-    one = Effects(DRAG | ROLLING, (FADE,), SIGMA)
-    more = Effects({"aerodynamic_drag": {"drag_area": 0.8}})
-    assert one.with_(more) == Effects({"aerodynamic_drag": {"drag_area": 0.8}} | ROLLING, (FADE,))
-    assert more.with_(one) == one
-    assert one.with_(Effects(terms=(PULL,))).terms == (PULL,)
+    both_effects = Effects(DRAG | ROLLING, (FADE,), SIGMA)
+    larger_drag = Effects({"aerodynamic_drag": {"drag_area": 0.8}})
+    assert both_effects.with_(larger_drag) == Effects(
+        {"aerodynamic_drag": {"drag_area": 0.8}} | ROLLING, (FADE,)
+    )
+    assert larger_drag.with_(both_effects) == both_effects
+    assert both_effects.with_(Effects(terms=(PULL,))).terms == (PULL,)

@@ -28,12 +28,12 @@ def line_with(text, part):
 
 
 def test_the_example_is_the_force_of_its_equation():
-    (found,) = read_own_effects([EXAMPLE])
-    assert (found.name, found.file) == ("air_brake_flap", "air_brake_flap.py")
+    (effect,) = read_own_effects([EXAMPLE])
+    assert (effect.name, effect.file) == ("air_brake_flap", "air_brake_flap.py")
     motion = made_motion([40.0, 20.0])
     history = replace(motion.history, p_mc=np.array([20e5, 0.0]))
     motion = replace(motion, history=history)
-    force = found.effect.body_force(CAR, {"flap_area": 0.5}, motion)
+    force = effect.effect.body_force(CAR, {"flap_area": 0.5}, motion)
     assert force == pytest.approx([0.5 * 1.2 * 0.5 * 1600.0, 0.0], abs=0.01)
 
 
@@ -45,7 +45,7 @@ def test_what_a_file_prints_is_not_on_stdout(tmp_path, capsys):
 
 
 @pytest.mark.parametrize(
-    ("body", "said"),
+    ("body", "words"),
     [
         ("return parameters['torqe'], 0.0", "KeyError"),
         ("motion.v[0] = 2.0", "read-only"),
@@ -56,16 +56,16 @@ def test_what_a_file_prints_is_not_on_stdout(tmp_path, capsys):
         ("return 1.0 + 0.0 * motion.v, 0.0 * motion.v", "neutral"),
     ],
 )
-def test_a_function_that_goes_wrong_is_told_with_its_line(tmp_path, body, said):
+def test_a_function_that_goes_wrong_is_told_with_its_line(tmp_path, body, words):
     text = retarder(body)
     message = refusal(tmp_path, text)
-    raised = said in ("KeyError", "read-only")
+    raised = words in ("KeyError", "read-only")
     assert f"mine.py:{line_with(text, body if raised else 'def axle_moment')}: " in message
-    assert said in message
+    assert words in message
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "said"),
+    ("old", "new", "words"),
     [
         ("EFFECT = ", "EFFECT = ((", "mine.py:7: SyntaxError"),
         ("EFFECT = Effect(", "EFFECT = 7\nMINE = Effect(", "EFFECT is 7"),
@@ -80,11 +80,11 @@ def test_a_function_that_goes_wrong_is_told_with_its_line(tmp_path, body, said):
         ("axle_moment=axle_moment", "axle_moment=7", "hook"),
     ],
 )
-def test_a_wrong_file_is_one_error_with_file_and_line(tmp_path, old, new, said):
+def test_a_wrong_file_is_one_error_with_file_and_line(tmp_path, old, new, words):
     text = retarder()
     assert old in text
     message = refusal(tmp_path, text.replace(old, new))
-    assert said in message
+    assert words in message
     assert message.startswith("mine.py")
 
 

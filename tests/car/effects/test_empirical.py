@@ -37,8 +37,8 @@ def test_drivers(driver, expected):
         p_mc=np.array([0.0, 2e5, 3e5, 3e5, 1e5]),
     )
     assert drivers_of("front_brakes", driver, history)[0] == pytest.approx(expected)
-    (one,) = drivers_of("brakes", driver, history)
-    assert one == pytest.approx(expected)
+    (values,) = drivers_of("brakes", driver, history)
+    assert values == pytest.approx(expected)
 
 
 def test_it_is_straight_between_knots_and_constant_beyond_them():

@@ -17,8 +17,8 @@ STUCK = {"residual_pressure": 2e5, "drain_time": 5.0}
 @given(st.floats(0.0, 10e5), st.floats(0.0, 150e5))
 def test_what_is_above_the_threshold(threshold, p):
     history = made_history(1, p_mc=np.array([p]))
-    for found in pressures("brake_threshold_pressure", history, threshold=threshold):
-        assert found == pytest.approx([max(p - threshold, 0.0)], abs=1e-6)
+    for pressure_pair in pressures("brake_threshold_pressure", history, threshold=threshold):
+        assert pressure_pair == pytest.approx([max(p - threshold, 0.0)], abs=1e-6)
 
 
 @given(st.floats(1e3, 3e5), st.floats(0.0, 150e5), st.booleans())
@@ -26,10 +26,10 @@ def test_a_sensor_whose_zero_reads_too_low_is_a_threshold_below_zero(low, true, 
     """A sensor that reads ``low`` too little, but not below zero, is corrected where it reads."""
     read = max(true - low, 0.0) if clipped else true - low
     history = made_history(1, p_mc=np.array([read]))
-    for found in pressures("brake_threshold_pressure", history, threshold=-low):
-        assert -1e-6 <= found[0] <= true + 1e-6
+    for pressure_pair in pressures("brake_threshold_pressure", history, threshold=-low):
+        assert -1e-6 <= pressure_pair[0] <= true + 1e-6
         if true == 0.0 or true > 2.0 * low:
-            assert found == pytest.approx([true], abs=1e-6)
+            assert pressure_pair == pytest.approx([true], abs=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -38,20 +38,20 @@ def test_a_sensor_whose_zero_reads_too_low_is_a_threshold_below_zero(low, true, 
 )
 def test_an_axle_has_its_share_of_the_threshold(share, front, rear):
     history = made_history(1, p_mc=np.array([30e5]))
-    given = {"threshold": 2e5, "threshold_rear_share": share}
-    found = pressures("brake_threshold_pressure", history, **given)
-    assert [float(p[0]) for p in found] == pytest.approx([30e5 - front, 30e5 - rear])
+    parameters = {"threshold": 2e5, "threshold_rear_share": share}
+    pressure_pair = pressures("brake_threshold_pressure", history, **parameters)
+    assert [float(p[0]) for p in pressure_pair] == pytest.approx([30e5 - front, 30e5 - rear])
 
 
 @given(PRESSURES, WIDTH, st.floats(0.0, 5e5))
 def test_the_play_is_its_recursion_and_leaves_its_input_alone(p, relative, half):
-    before = p.copy()
+    copy = p.copy()
     loading = [now - min(max(now, 0.0), half) for now in p]
     c = [loading[0]]
     for low, now in zip(loading[1:], p[1:], strict=True):
         c.append(max(low, min(now / (1.0 - relative) + half, c[-1])))
     assert np.array_equal(hysteresis_loop(p, relative, half), c)
-    assert np.array_equal(p, before)
+    assert np.array_equal(p, copy)
 
 
 @pytest.mark.parametrize("share", [0.0, 0.4, 1.0])
@@ -71,20 +71,20 @@ def test_the_width_is_told_at_20_bar(share):
 )
 def test_what_stays_of_an_application_sample_by_sample(p, most, drain):
     time = 5.0 + 0.3 * np.arange(p.size)
-    left, expected = 0.0, []
+    residual, expected = 0.0, []
     for now in p:
-        left = max(left * np.exp(-0.3 / drain), min(now, most) if now > 1.5e5 else 0.0)
-        expected.append(max(now, left) if left > 0.0 else now)
+        residual = max(residual * np.exp(-0.3 / drain), min(now, most) if now > 1.5e5 else 0.0)
+        expected.append(max(now, residual) if residual > 0.0 else now)
     assert residual_clamp(time, p, most, drain) == pytest.approx(
         np.array(expected), rel=1e-6, abs=1e-6
     )
 
 
 @pytest.mark.parametrize(
-    ("bias", "kept"), [(0.0, (2.0, 2.0)), (1.0, (0.0, 2.0)), (-0.5, (2.0, 1.0))]
+    ("bias", "residual_bar"), [(0.0, (2.0, 2.0)), (1.0, (0.0, 2.0)), (-0.5, (2.0, 1.0))]
 )
-def test_an_axle_may_have_it_alone(bias, kept):
+def test_an_axle_may_have_it_alone(bias, residual_bar):
     history = made_history(p_mc=np.where(np.arange(200) < 100, 20e5, 0.0))
-    found = pressures("residual_torque", history, **STUCK, rear_bias=bias)
-    for pressure, bar in zip(found, kept, strict=True):
+    pressure_pair = pressures("residual_torque", history, **STUCK, rear_bias=bias)
+    for pressure, bar in zip(pressure_pair, residual_bar, strict=True):
         assert pressure[199] == pytest.approx(bar * 1e5 * np.exp(-1.0 / 5.0))

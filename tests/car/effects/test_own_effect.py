@@ -61,8 +61,8 @@ def test_a_model_whose_file_has_changed_is_refused_unless_it_says_any(model_file
     car = with_own(SEDAN, [changed])
     with pytest.raises(ModelError, match=r"air_brake_flap\.py has changed since"):
         read_model(model_file, car)
-    kept = [line for line in model_file.read_text().splitlines() if "sha256" not in line]
-    model_file.write_text("\n".join(kept))
+    lines = [line for line in model_file.read_text().splitlines() if "sha256" not in line]
+    model_file.write_text("\n".join(lines))
     assert read_model(model_file, car).effects.parameters == ACTS
 
 
@@ -82,6 +82,6 @@ def test_the_record_of_a_table_holds_name_and_digest_and_no_code():
     assert read.digest == table.digest
     with pytest.raises(ModelError, match=r"defined in air_brake_flap\.py, which was not given"):
         total_axle_moment(read.vehicle, read.vehicle.effects, made_motion([30.0]))
-    given = replace(read, vehicle=with_own(read.vehicle, [FLAP]))
-    assert given.digest == table.digest
-    assert default_model(given.vehicle).effects.parameters == ACTS
+    with_file = replace(read, vehicle=with_own(read.vehicle, [FLAP]))
+    assert with_file.digest == table.digest
+    assert default_model(with_file.vehicle).effects.parameters == ACTS

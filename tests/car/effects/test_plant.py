@@ -92,10 +92,10 @@ CASES = {
 
 @pytest.mark.parametrize("name", CASES)
 def test_it_follows_the_plant(name):
-    parameters, pedal, told, plant, agree, (far, least) = CASES[name]
+    parameters, pedal, plant_pressure, plant, agree, (changed, least) = CASES[name]
     heat = {"temperature": HEAT} if name == "pad_thermal_fade" else {}
-    log, run = driven({name: parameters}, pedal, **heat), on_the_plant(told, **plant)
+    log, run = driven({name: parameters}, pedal, **heat), on_the_plant(plant_pressure, **plant)
     assert {channel: apart(log, run, channel) for channel in agree} == {
         channel: pytest.approx(0.0, abs=most) for channel, most in agree.items()
     }
-    assert apart(driven({}, pedal), run, far) > least
+    assert apart(driven({}, pedal), run, changed) > least
