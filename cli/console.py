@@ -1,11 +1,5 @@
 """What the commands print: results on stdout, everything else on stderr, safe for a terminal.
 
-    begin_run, this_run                       the options and the state of one run of the program
-    say, print_error, print_warnings          messages on stderr
-    usage_error, at_option                    errors of the command line
-    print_result, print_line, print_json      results on stdout
-    progress                                  a progress bar on stderr
-
 rich is imported only where something is drawn, so that `--help` does not wait for it.
 """
 

@@ -52,15 +52,11 @@ def export(
     form: str | None = option("Format, see `manual tables`; else that of --out.", "F", "--format"),
     out: Path = option("File to write, or the folder of the code.", "FILE", writes=EITHER),
     shape: Shape,
-    sample_time: float | None = option(
-        "Time of a step of the code [s], else that of the logs.", "S"
-    ),
+    sample_time: float | None = option("Time of a step [s], else that of the logs.", "S"),
     prefix: str | None = option("First part of all labels, else the name of the table.", "NAME"),
     elf: Path | None = option("Linked program (ELF), for addresses of an A2L.", "FILE"),
     compiled: bool = option("Put a binary for this machine into an FMU; needs FMPy and cmake."),
-    without_effect: list[str] = option(
-        "Leave out a known effect that no ECU senses; repeatable.", "NAME"
-    ),
+    without_effect: list[str] = option("Effect that the ECU lacks; repeatable.", "NAME"),
     unreleased: bool = option("Export a version that is not released; the file says so."),
     signed: Signed,
     store: Tables,
@@ -81,11 +77,8 @@ def export(
     signed.check(table, stored)
     kind = (form or "").lower()
     _check_out(out, stored, prefix, is_folder=kind == FOLDER)
-    choices: dict[str, Any] = {
-        "elf": elf,
-        "unreleased": unreleased,
-        "without_effects": without_effect,
-    }
+    choices: dict[str, Any] = {"elf": elf, "unreleased": unreleased}
+    choices["without_effects"] = without_effect
     if kind not in CODES and (sample_time is not None or compiled):
         raise usage_error(f"only with --format {', '.join(CODES)}", "--sample-time, --compiled")
     written: Any

@@ -4,6 +4,7 @@ import gc
 import os
 import signal
 import sys
+from difflib import get_close_matches
 from importlib import import_module
 from itertools import takewhile
 from typing import Annotated, Any
@@ -204,16 +205,15 @@ def _failure(error: Any) -> BrakeCalError:
 def _usage(error: Any) -> UsageError:
     """Return a wrong command line as an error of the library, in its form instead of typer's."""
     parameter = getattr(error, "param", None)
-    where = getattr(error, "param_hint", None) or (_name_of(parameter) if parameter else None)
+    name, text = _described(parameter) if parameter else (None, "")
+    where = getattr(error, "param_hint", None) or name
     problem, expected = error.message.removesuffix("."), ""
     if hasattr(error, "param_type"):  # typer's MissingParameter
-        problem, expected = "missing", _help_of(parameter)
+        problem, expected = "missing", text
     elif hasattr(error, "possibilities"):  # typer's NoSuchOption
-        from calib.base.toml import did_you_mean
-
         problem = f"unknown option {error.option_name}"
-        near = did_you_mean(error.option_name, error.possibilities or [])
-        problem += f"; {near}" if near else ""
+        for near in get_close_matches(error.option_name, error.possibilities or [], 1, _LIKE):
+            problem += f"; did you mean {near}?"
     for phrase, ours in _PHRASES.items():
         problem = problem.replace(phrase, ours)
     command = error.ctx.command_path if error.ctx else "brake-cal"
@@ -225,21 +225,21 @@ _PHRASES = {
     "No such command": "unknown command",
     ". Did you mean": "; did you mean",
     "Got unexpected extra argument(s)": "unexpected argument",
+    "requires an argument": "needs a value",
+    "Input should be a valid integer, unable to parse string as an integer": "no whole number",
+    "Input should be a valid number, unable to parse string as a number": "no number",
 }
 """Phrases of typer, and those of the messages here."""
+_LIKE = 0.75
+"""Similarity from which on another option is meant; two letters exchanged give 0.8 to 0.95."""
 
 
-def _name_of(parameter: Any) -> str:
-    """Return how a parameter is called on the command line: ``--out``, or ``LOG...``."""
-    is_option = parameter.param_type_name == "option"
-    return str(parameter.opts[0] if is_option else parameter.metavar)
-
-
-def _help_of(parameter: Any) -> str:
-    """Return what is expected of a parameter, from its help text."""
-    text = parameter.help.removesuffix(".")
-    text = text[:1].lower() + text[1:]
-    return text if parameter.param_type_name == "argument" else f"{parameter.metavar} ({text})"
+def _described(parameter: Any) -> tuple[str, str]:
+    """Return how a parameter is typed, ``--out`` or ``LOG...``, and what its help expects."""
+    text = parameter.help[:1].lower() + parameter.help[1:].removesuffix(".")
+    if parameter.param_type_name == "argument":
+        return str(parameter.metavar), text
+    return str(parameter.opts[0]), f"{parameter.metavar} ({text})"
 
 
 if __name__ == "__main__":

@@ -34,12 +34,8 @@ if TYPE_CHECKING:
 
 _NAMES = f"{__name__}:_COMMANDS"
 _COMMANDS = tuple(one.value for one in Command)
-_Job = Annotated[
-    Command,
-    argument(
-        "What to do: fit, validate or check.", "COMMAND", typed=str, names=_NAMES, make=Command
-    ),
-]
+_COMMAND = argument("fit, validate or check.", "COMMAND", typed=str, names=_NAMES, make=Command)
+_Job = Annotated[Command, _COMMAND]
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,5 @@
 """Options and arguments: how each is typed, and what it becomes before a command gets it.
 
-    option, argument        declare a parameter of a command, with a conversion ``make``
-    require_known, in_si    conversions, and others like them
-    Tables, Car, Map ...    options and arguments that several commands share
-
 The annotation of a parameter is the type that the command gets. It is quoted where that type would
 have to be imported for it; then a path is typed.
 """

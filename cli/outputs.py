@@ -3,10 +3,6 @@
 A folder is made if it does not exist; files of the same names in it are replaced. A single file is
 replaced if it is empty or this program wrote it, else only with --force. No output replaces an
 input.
-
-    check_file, check_folder                refuse a place that cannot be written
-    write_file, write_page, write_folder    write
-    writing                                 turn an error of the system into one of the command line
 """
 
 import errno
@@ -99,10 +95,7 @@ def check_folder(out: Path | None, names: Iterable[str]) -> None:
 
 
 def refuse_foreign(out: Path, ours: Callable[[bytes], bool], option: str = OUT) -> None:
-    """Refuse to replace a file of others.
-
-    A file may be replaced if it is empty, if ``ours`` is true of its bytes, or with --force.
-    """
+    """Refuse to replace a file unless it is empty, ``ours`` by its bytes, or --force is typed."""
     from calib.base.bounded import LOG, read_bounded
 
     try:
@@ -116,10 +109,7 @@ def refuse_foreign(out: Path, ours: Callable[[bytes], bool], option: str = OUT) 
 
 
 def write_file(out: Path, content: bytes, option: str = OUT, kind: str = "") -> None:
-    """Write a file whole, or leave it as it was.
-
-    Where no test tells a file of this program, only one with equal bytes is replaced.
-    """
+    """Write a file whole. Where `_ours` has no test, only a file of equal bytes is replaced."""
     from calib.base.write import write_whole
 
     if _ours(out, kind) is None:
@@ -153,10 +143,7 @@ def write_folder(out: Path, contents: Iterable[tuple[str, bytes]], last: str) ->
 
 
 def stems_of(logs: Iterable[Path], option: str) -> list[str]:
-    """Return the names of logs without their endings, which name the files in ``--out``.
-
-    Refuses two logs of one name. ``option`` is where the logs were typed.
-    """
+    """Return the names of logs without their endings. Refuses two of one name: --out has both."""
     from calib.logs.formats import stem_of
 
     stems = [stem_of(path) for path in logs]

@@ -61,13 +61,11 @@ def plot(
         files = _draw(drawn, out, figure)
     for sheet in drawn:
         say(f"{sheet.title}: {', '.join(sheet.names)} (one alone with --figure NAME)")
-    documents = [_document(sheet) for sheet in drawn]
-    return Answer({"files": files, "sheets": documents}, "\n".join(map(str, files)))
-
-
-def _document(sheet: "Sheet") -> dict[str, object]:
     keys = ("kind", "name", "title", "result", "note")
-    return {**{key: getattr(sheet, key) for key in keys}, "figures": sheet.names}
+    documents = [{key: getattr(sheet, key) for key in keys} for sheet in drawn]
+    for document, sheet in zip(documents, drawn, strict=True):
+        document["figures"] = sheet.names
+    return Answer({"files": files, "sheets": documents}, "\n".join(map(str, files)))
 
 
 def _read(

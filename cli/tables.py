@@ -28,11 +28,9 @@ def list_(
     from calib.store.figures import chosen, row_of
 
     rows = chosen(map(row_of, store.entries(state)), serial=serial, vin=vin)
-    document = {"store": store.folder, "tables": rows}
-    if rows:
-        return Answer(document, listed(rows))
     missing = "such table" if store.snapshot().names else "table"
-    return Answer(document, f"{store.folder} holds no {missing}")
+    result = listed(rows) if rows else f"{store.folder} holds no {missing}"
+    return Answer({"store": store.folder, "tables": rows}, result)
 
 
 @command("brake-cal tables show sedan-2up")
@@ -52,16 +50,14 @@ def log(
     from calib.show.store import history
 
     name, separator, version = table.partition("@")
-    now = store.snapshot()
-    journal = now.journal
-    versions = [str(number) for number in journal.versions(now.require_table(name))]
+    snapshot = store.snapshot()
+    journal = snapshot.journal
+    versions = [str(number) for number in journal.versions(snapshot.require_table(name))]
     if separator and version not in versions:
-        raise usage_error(
-            f"no version {version!r} of {name!r}; there is {', '.join(versions)}", "TABLE"
-        )
-    entries = [
-        e.document for e in journal.entries if e.table == name and version in ("", str(e.version))
-    ]
+        flaw = f"no version {version!r} of {name!r}; expected one of {', '.join(versions)}"
+        raise usage_error(flaw, "TABLE")
+    entries_of_table = [entry for entry in journal.entries if entry.table == name]
+    entries = [entry.document for entry in entries_of_table if version in ("", str(entry.version))]
     document = {"store": store.folder, "head": journal.head, "entries": entries}
     return Answer(document, history(entries))
 
@@ -195,13 +191,8 @@ def _judged(table: str, word: str, decision: _Decision, evidence: Path | None) -
     proofs, old = (proof,) if proof else (), stored.state
     state = StateDecision(word, decision.reason, verdict, proofs, decision.by or "")
     after = decision.store.judge(table, state)
-    document = {
-        "table": after.id,
-        "digest": after.digest,
-        "before": old.word,
-        "state": after.state.word,
-        "why": after.state.description,
-    }
+    states = {"before": old.word, "state": after.state.word, "why": after.state.description}
+    document = {"table": after.id, "digest": after.digest, **states}
     change = "nothing to change" if old == after.state else f"it was {old.word}"
     text = f"{after.id} is {after.state.description}; {change}"
     if verdict in (CONSISTENT, "warning"):
