@@ -1,4 +1,4 @@
-"""Plans on few measures: what is wanted and what time there is decide, and a plant agrees."""
+"""Plans on few measures: the wanted widths and the time decide, and a plant agrees."""
 
 import json
 import math
@@ -83,9 +83,9 @@ def test_a_plant_reaches_what_was_planned(planned, runs):
 def test_a_plan_ends_where_it_is_enough(monkeypatch, want, steps):
     monkeypatch.setattr(search, "_CARS", 1)
     monkeypatch.setattr(search, "measures", lambda: FEW[:3:2])
-    found = plan(KNOWN, want)
-    assert [step.measure.name for step in found.steps] == steps
-    assert found.seconds <= want.seconds
+    planned = plan(KNOWN, want)
+    assert [step.measure.name for step in planned.steps] == steps
+    assert planned.seconds <= want.seconds
 
 
 def test_gain_counts_what_is_asked_and_not_beyond():

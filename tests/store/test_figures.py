@@ -1,4 +1,4 @@
-"""What a table may be used for; its effects: units of the cards, intervals within their ranges."""
+"""Use of a version by its state, and the intervals of effects within the range of the card."""
 
 from dataclasses import replace
 
@@ -19,12 +19,12 @@ def with_drag(value, sigma):
 
 
 def test_an_interval_within_the_range_of_the_card_is_that_of_the_sigma():
-    (one,) = effect_figures(with_drag(0.66, 0.1))
-    assert one.ci95 == pytest.approx((0.464, 0.856), abs=1e-4)
-    assert one.unit == "m^2"
-    assert str(one) == "drag_area 0.66 m^2 (95 %: 0.464 to 0.856)"
-    (none,) = effect_figures(with_drag(0.0, 0.1))
-    assert none.ci95 == pytest.approx((0.0, 0.196), abs=1e-4)  # no drag is negative
+    (figure,) = effect_figures(with_drag(0.66, 0.1))
+    assert figure.ci95 == pytest.approx((0.464, 0.856), abs=1e-4)
+    assert figure.unit == "m^2"
+    assert str(figure) == "drag_area 0.66 m^2 (95 %: 0.464 to 0.856)"
+    (zero,) = effect_figures(with_drag(0.0, 0.1))
+    assert zero.ci95 == pytest.approx((0.0, 0.196), abs=1e-4)  # no drag is negative
     (given,) = effect_figures(with_drag(0.66, 0.0))
     assert str(given) == "drag_area 0.66 m^2 (given)"
 
@@ -32,9 +32,9 @@ def test_an_interval_within_the_range_of_the_card_is_that_of_the_sigma():
 @pytest.mark.parametrize("word", ["draft", "released", "rejected", "withdrawn"])
 def test_only_a_released_version_is_usable(store, word):
     stored = Store(store).save(made_table(), StateDecision(word, "made for a test"))
-    found = usability(stored)
-    assert found.usable == (word == "released")
+    use = usability(stored)
+    assert use.usable == (word == "released")
     # the last row of the made table, at 0.30 g, is extrapolated
-    assert found.decelerations == pytest.approx((0.0, 0.285))
-    told = f"{found.decelerations[1]:.2f}\xa0g" in verdict(stored)
-    assert told == (word in ("draft", "released"))
+    assert use.decelerations == pytest.approx((0.0, 0.285))
+    names_the_range = f"{use.decelerations[1]:.2f}\xa0g" in verdict(stored)
+    assert names_the_range == (word in ("draft", "released"))

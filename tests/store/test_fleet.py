@@ -36,10 +36,10 @@ def test_newest_released_version_of_each_other_car_of_the_model(store):
     store.save(car(4))  # a draft
     heavier = replace(car(5), vehicle=replace(car(5).vehicle, mass=1900.0))
     store.save(heavier, RELEASE)
-    own = store.save(car(6), RELEASE)
-    found = released_cars(store, NEW, own.ramps)
-    assert sorted(found) == ["car1@2", "car2@1", "car3@1"]
-    assert found["car1@2"].digest == newer.digest
+    of_new_car = store.save(car(6), RELEASE)
+    cars = released_cars(store, NEW, of_new_car.ramps)
+    assert sorted(cars) == ["car1@2", "car2@1", "car3@1"]
+    assert cars["car1@2"].digest == newer.digest
 
 
 def test_tables_that_rest_on_others_do_not_count(store):

@@ -1,4 +1,4 @@
-"""Own errors of a run against the scatter of many runs; draws of one more car."""
+"""Own errors of a run against the scatter of many runs, and draws of one more car."""
 
 from dataclasses import replace
 
@@ -27,11 +27,11 @@ def test_the_own_error_of_a_logarithm_is_its_scatter_from_run_to_run(runs, name,
     """
     of_ratio = [t.calibration.pad_log_ratio.value for t in runs]
     of_tyres = [np.log(t.calibration.slip_stiffness.value) for t in runs]
-    seen = scatter(of_ratio if name == "ratio" else of_tyres)
+    scatter_of_runs = scatter(of_ratio if name == "ratio" else of_tyres)
     of_run = np.sqrt(np.mean([per_run(getattr(t.budget, name)) for t in runs]))
-    assert 0.65 * seen < of_run < most * seen
+    assert 0.65 * scatter_of_runs < of_run < most * scatter_of_runs
     if name == "ratio":
-        assert np.mean([t.calibration.pad_log_ratio.sigma for t in runs]) > 4.0 * seen
+        assert np.mean([t.calibration.pad_log_ratio.sigma for t in runs]) > 4.0 * scatter_of_runs
 
 
 def test_the_own_error_of_the_pad_level_is_its_scatter(runs):
@@ -71,16 +71,16 @@ def alike(table):
 def test_one_more_car_is_of_students_distribution(k):
     """Its 80 % interval: cars that leave nothing open scatter, and nothing else does."""
     cars = [alike(car_table(n, level=level)) for n, level in enumerate(LEVELS[:k])]
-    found = one_more(cars, 40_000)
+    drawn = one_more(cars, 40_000)
     mean, sigma = np.mean(LEVELS[:k]), np.std(LEVELS[:k], ddof=1)
     half = t.ppf(0.9, k - 1) * sigma * np.sqrt(1.0 + 1.0 / k)
-    ends = np.quantile(found.log_pad_level, [0.1, 0.9])
+    ends = np.quantile(drawn.log_pad_level, [0.1, 0.9])
     np.testing.assert_allclose(ends, [mean - half, mean + half], atol=0.05 * half)
-    assert np.ptp(found.peak) < 1e-12
+    assert np.ptp(drawn.peak) < 1e-12
 
 
 def test_what_a_car_leaves_open_is_what_one_more_car_does():
     car = car_table(1)
-    found = one_more([car, car_table(2)], 20_000)
+    drawn = one_more([car, car_table(2)], 20_000)
     for name, x in vars(car.draws).items():
-        assert np.std(getattr(found, name)) == pytest.approx(np.std(x), rel=0.02, abs=1e-12)
+        assert np.std(getattr(drawn, name)) == pytest.approx(np.std(x), rel=0.02, abs=1e-12)

@@ -68,9 +68,9 @@ def test_pads_and_stiffness_are_the_means_of_logarithms():
     made = [car_table(1, 26.0, -0.03, 0.02), car_table(2, 28.0, 0.05, -0.04)]
     mean = merge([version(table, n) for n, table in enumerate(made, 1)], "golden")
     levels = [pad_levels(VEHICLE, table.calibration) for table in made]
-    found = pad_levels(VEHICLE, mean.calibration)
-    assert found.ratio == pytest.approx(-0.01)
-    assert found.level == pytest.approx(0.5 * (levels[0].level + levels[1].level))
+    mean_levels = pad_levels(VEHICLE, mean.calibration)
+    assert mean_levels.ratio == pytest.approx(-0.01)
+    assert mean_levels.level == pytest.approx(0.5 * (levels[0].level + levels[1].level))
     assert mean.calibration.slip_stiffness.value == pytest.approx(math.sqrt(26.0 * 28.0))
     spread = mean.spread
     assert spread.pad_ratio.between == pytest.approx(0.06 / math.sqrt(2.0), rel=1e-6)
@@ -97,16 +97,16 @@ def test_axes_of_different_length_have_their_common_range_and_it_is_told():
 
 
 def test_the_record_names_the_parents_and_what_no_mean_shrinks(store):
-    kept = Store(store)
-    parents = [kept.save(version_.table) for version_ in cars(26.0, 27.0, 28.0)]
-    stored = kept.save(merge(parents, "golden"))
-    origin = kept.load("golden@1").table.provenance
+    tables = Store(store)
+    parents = [tables.save(version_.table) for version_ in cars(26.0, 27.0, 28.0)]
+    stored = tables.save(merge(parents, "golden"))
+    origin = tables.load("golden@1").table.provenance
     assert [(p.id, p.digest) for p in origin.parents] == [(p.id, p.digest) for p in parents]
     assert {log.name for log in origin.logs} == {"ramp_1.csv", "ramp_2.csv", "ramp_3.csv"}
     assert any("vehicle file, the surface of the track" in r for r in stored.table.remarks)
     assert stored.table.spread.cars == 3
-    assert all(verdict.sound for verdict in kept.verify())
-    assert kept.save(merge(parents[::-1], "golden")).id == "golden@1"
+    assert all(verdict.sound for verdict in tables.verify())
+    assert tables.save(merge(parents[::-1], "golden")).id == "golden@1"
 
 
 def test_copies_of_one_car_have_next_to_no_spread(copies):
@@ -145,11 +145,11 @@ def test_what_all_cars_share_does_not_shrink_with_their_number(copies):
 
 
 def test_it_is_estimated_with_and_its_interval_holds_the_pads(copies):
-    found = estimate(merge(copies, "golden"), noisy(stop(WET), 3))
-    assert found.valid.sum() > 100
-    for axle, true in ((found.best.pads_f, 0.31), (found.best.pads_r, 0.27)):
-        held = (axle.lower <= true) & (true <= axle.upper)
-        assert np.mean(held[found.valid]) >= 0.9
+    estimated = estimate(merge(copies, "golden"), noisy(stop(WET), 3))
+    assert estimated.valid.sum() > 100
+    for axle, true in ((estimated.best.pads_f, 0.31), (estimated.best.pads_r, 0.27)):
+        covered = (axle.lower <= true) & (true <= axle.upper)
+        assert np.mean(covered[estimated.valid]) >= 0.9
 
 
 # What has no mean

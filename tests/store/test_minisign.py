@@ -124,9 +124,9 @@ def test_no_refusal_shows_the_key_or_the_password(tmp_path):
         path.write_bytes(b"untrusted comment: a\n" + b64encode(content) + b"\n")
         with pytest.raises(KeyFileError) as refusal:
             read_secret_key(path, lambda typed=password: typed)
-        said = "".join(traceback.format_exception(refusal.value)) + repr(vars(refusal.value))
-        assert not any(x in said for x in (PASSWORD, "Rote", repr(SMALL[-104:])[2:-1]))
-        assert b64encode(SMALL[-104:]).decode()[4:-4] not in said
+        text = "".join(traceback.format_exception(refusal.value)) + repr(vars(refusal.value))
+        assert not any(x in text for x in (PASSWORD, "Rote", repr(SMALL[-104:])[2:-1]))
+        assert b64encode(SMALL[-104:]).decode()[4:-4] not in text
 
 
 # New pairs

@@ -1,4 +1,4 @@
-"""Each promise of the page `tables` by a test of its name; more in two other files."""
+"""A test for each promise of the page `tables`, here, in `test_signatures` or in `test_seen`."""
 
 import json
 import re
@@ -129,8 +129,8 @@ def test_a_rejected_version_is_released_only_on_new_evidence(three):
             three.judge("sedan@1", old)
     new = Evidence("summary.json", "cd" * 32)
     station = replace(RELEASE, evidence=(new,), automatic=True)
-    kept = three.save(made_table(27.0), station)
-    assert (kept.version, kept.state.word) == (1, "rejected")
+    again = three.save(made_table(27.0), station)
+    assert (again.version, again.state.word) == (1, "rejected")
     released = three.judge("sedan@1", replace(RELEASE, evidence=(new,)))
     assert released.state.evidence == (new,)
 

@@ -1,4 +1,4 @@
-"""What a user has seen of stores: an older copy of a whole store, and the file of what was seen."""
+"""What a user has seen of stores: older copies of a store, and a damaged file."""
 
 import shutil
 from dataclasses import replace
@@ -31,7 +31,7 @@ def test_an_older_store_than_the_one_seen_is_refused(store, copy, seen):
     store.judge("sedan@2", WITHDRAW)
     used(store, "sedan@1")
     new = copy("new")
-    was = seen.read_bytes()
+    content = seen.read_bytes()
 
     replaced_by(store, old)  # a freeze: journal, head, versions, signatures
     assert str(seen) in refusal(store)
@@ -40,7 +40,7 @@ def test_an_older_store_than_the_one_seen_is_refused(store, copy, seen):
     refusal(old)  # wherever it lies
     store.judge("sedan@2", REJECT)  # and where it went another way
     refusal(store)
-    assert seen.read_bytes() == was
+    assert seen.read_bytes() == content
 
     shutil.rmtree(store.folder)  # another store in the same place
     store.save(made_table(27.0), replace(RELEASE, by="Eve"))

@@ -1,4 +1,4 @@
-"""Each promise of a signature on the page `tables` of the manual by a test of its name."""
+"""A test for each promise of a signature on the page `tables`, of the same name."""
 
 import shutil
 import subprocess
@@ -65,18 +65,18 @@ def by_hand(store, version, line, key=ADA):
 
 def test_a_signature_is_checked_by_minisign_and_made_by_minisign(store, keys):
     home, (secret, public) = store.folder / "sedan", keys
-    record, beside = home / "v0002" / "record.json", home / "v0002.minisig"
-    ran = minisign("-Vm", record, "-x", beside, "-p", public)
+    record, signature = home / "v0002" / "record.json", home / "v0002.minisig"
+    ran = minisign("-Vm", record, "-x", signature, "-p", public)
     assert ran.returncode == 0, ran.stderr
     stored = store.load("sedan@2")
     head = store.snapshot().journal.head
     line = f"brake-cal table=sedan version=2 digest={stored.digest} journal={head}"
-    beside.unlink()
-    ran = minisign("-S", "-W", "-s", secret, "-m", record, "-x", beside, "-t", line)
+    signature.unlink()
+    ran = minisign("-S", "-W", "-s", secret, "-m", record, "-x", signature, "-t", line)
     assert ran.returncode == 0, ran.stderr
     assert used(store).comment == line
-    found = verify_signed(store, ADA.public)[0]
-    assert [verdict.signed for verdict in found] == ["released", "released", None]
+    entries = verify_signed(store, ADA.public)[0]
+    assert [verdict.signed for verdict in entries] == ["released", "released", None]
 
 
 # What is refused
@@ -116,7 +116,7 @@ def test_a_signature_of_another_version_is_refused(store, tmp_path):
     refusal(store)
     used(store, "sedan@1")
 
-    sign(store, "wagon@1", ADA)  # a table of another car, renamed, with its signature beside it
+    sign(store, "wagon@1", ADA)  # a table of another car, renamed, with its signature signature it
     forge = Store(tmp_path / "forge")
     renamed = forge.save(made_table(), replace(RELEASE, by="Eve"))
     shutil.copy(store.folder / "wagon" / "v0001.minisig", renamed.path.parent / "v0001.minisig")

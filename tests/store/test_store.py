@@ -1,3 +1,5 @@
+"""Save, load and list versions, and read the evidence on a version."""
+
 import errno
 import json
 import os
@@ -32,14 +34,14 @@ def files_under(directory):
 # Saving
 
 
-def test_what_is_foreseen_is_what_is_saved(store):
+def test_a_preview_is_what_is_saved(store):
     before = store.preview(made_table(), RELEASE)
     assert not store.folder.exists()
     saved = store.save(made_table(), RELEASE)
-    for found in (before, store.preview(made_table(), RELEASE)):
-        assert (found.id, found.digest, found.path) == (saved.id, saved.digest, saved.path)
-        assert found.state.description.startswith("released: good (by Ada")
-        assert json.dumps(found.table.content()[0]) == json.dumps(saved.table.content()[0])
+    for preview in (before, store.preview(made_table(), RELEASE)):
+        assert (preview.id, preview.digest, preview.path) == (saved.id, saved.digest, saved.path)
+        assert preview.state.description.startswith("released: good (by Ada")
+        assert json.dumps(preview.table.content()[0]) == json.dumps(saved.table.content()[0])
     again = store.preview(made_table(), replace(RELEASE, state="rejected"))
     assert (again.version, again.state.word) == (1, "rejected")
     assert again.state.stored_at == saved.state.stored_at
@@ -115,22 +117,22 @@ def test_a_directory_or_a_file_that_is_no_version(stored, store, tmp_path):
 
 
 def test_what_a_killed_writer_left_is_not_seen_and_cleared_by_the_next(stored, store):
-    left = store.folder / "sedan" / ".new-v0002"
-    left.mkdir()
-    (left / "paper.parquet").write_bytes(b"PAR1")
+    unfinished = store.folder / "sedan" / ".new-v0002"
+    unfinished.mkdir()
+    (unfinished / "paper.parquet").write_bytes(b"PAR1")
     assert [e.id for e in store.entries()] == ["sedan@1"]
     assert [(e.id, e.violations) for e in store.verify()] == [("sedan@1", ())]
     store.save(made_table(28.0))
-    assert not left.exists()
+    assert not unfinished.exists()
     assert [e.id for e in store.entries()] == ["sedan@1", "sedan@2"]
 
 
 # Others of its name, and evidence
 
 
-HELD = {"log": "stop", "role": "hold-out", "verdict": "passed"}
-OF = {"table": "sedan@1", "digest": made_table().digest, "proof": "truth"}
-GOOD = {"schema": 1, **OF, "verdict": "passed", "logs": [HELD]}
+HOLD_OUT = {"log": "stop", "role": "hold-out", "verdict": "passed"}
+VERSION = {"table": "sedan@1", "digest": made_table().digest, "proof": "truth"}
+GOOD = {"schema": 1, **VERSION, "verdict": "passed", "logs": [HOLD_OUT]}
 
 
 @pytest.mark.parametrize(
@@ -142,7 +144,7 @@ GOOD = {"schema": 1, **OF, "verdict": "passed", "logs": [HELD]}
         ({**GOOD, "digest": "0" * 64}, None),
         ({**GOOD, "proof": "none"}, "consistent, not proved"),
         ({**GOOD, "verdict": "perhaps"}, None),
-        ({**GOOD, "logs": [{**HELD, "role": "calibration"}]}, None),
+        ({**GOOD, "logs": [{**HOLD_OUT, "role": "calibration"}]}, None),
         ({**GOOD, "logs": [1]}, None),
         ({"schema": 1, "verdict": "warning", "table": {"id": "", "digest": ""}}, "warning"),
         ({"schema": 1, "verdict": "passed", "table": {"id": "", "digest": "0"}}, None),
@@ -158,8 +160,8 @@ def test_a_summary_or_a_station_is_evidence_of_its_own_version_only(
         document = {**document, "table": {**table, "digest": table["digest"] or stored.digest}}
     path.write_text(json.dumps(document))
     if verdict:
-        evidence, found = read_evidence(path, stored)
-        assert (evidence.name, found) == ("summary.json", verdict)
+        evidence, preview = read_evidence(path, stored)
+        assert (evidence.name, preview) == ("summary.json", verdict)
     else:
         with pytest.raises(ExchangeError) as error:
             read_evidence(path, stored)

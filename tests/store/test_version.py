@@ -22,8 +22,8 @@ def path(store):
 
 
 def test_pandas_reads_it_plainly_and_the_unit_is_in_the_field(path):
-    found = pd.read_parquet(path / "difference.parquet")
-    pd.testing.assert_frame_equal(found, pd.DataFrame(vars(made_table().difference)))
+    frame = pd.read_parquet(path / "difference.parquet")
+    pd.testing.assert_frame_equal(frame, pd.DataFrame(vars(made_table().difference)))
     units = [field.metadata for field in pq.read_schema(path / "difference.parquet")]
     assert units == [{b"unit": b"1"}] * 7
 

@@ -1,3 +1,5 @@
+"""Stops and folders of logs that the tests of the fleet share."""
+
 import pytest
 
 from calib.line.fleet.batch import run_batch

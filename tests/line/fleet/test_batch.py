@@ -1,4 +1,4 @@
-"""A batch: rows, what is done again and what is not, and who is guilty; then in real processes."""
+"""What is computed again in a batch and what is not, and logs that kill a worker."""
 
 import os
 import pickle
@@ -99,9 +99,9 @@ def test_a_log_that_kills_its_worker_is_a_row_and_is_tried_again(run, six):
     again = run(six)
     assert again.computed == 1
     assert again.counts == {"error": 2, "passed": 4}
-    whole = rows_of(again)
-    del whole[3]
-    assert rows == whole
+    all_rows = rows_of(again)
+    del all_rows[3]
+    assert rows == all_rows
 
 
 def test_a_worker_of_another_version_ends_the_run(run, six, fitted):
@@ -121,16 +121,16 @@ def test_all_that_a_channel_map_says_is_a_setting(tmp_path):
     bus = tmp_path / "a.dbc"
     bus.write_text("VERSION 1")
 
-    def settings(**told):
-        told = {"channels": {}, **told}
-        if "databases" in told:
-            told["databases"] = told["databases"](bus)
-        return Job("check", channel_map=ChannelMap("m.toml", **told)).settings()["map"]
+    def settings(**fields):
+        fields = {"channels": {}, **fields}
+        if "databases" in fields:
+            fields["databases"] = fields["databases"](bus)
+        return Job("check", channel_map=ChannelMap("m.toml", **fields)).settings()["map"]
 
-    found = [settings(), *(settings(**told) for told in MAPS)]
+    digests = [settings(), *(settings(**fields) for fields in MAPS)]
     bus.write_text("VERSION 2")
-    found.append(settings(**MAPS[-1]))
-    assert len(set(found)) == len(found) == 6
+    digests.append(settings(**MAPS[-1]))
+    assert len(set(digests)) == len(digests) == 6
 
 
 # A batch that says how far it is.
@@ -158,12 +158,12 @@ def test_kill_9_in_the_middle_and_again(fitted, fleet, undisturbed, tmp_path):
     )
     process.stdin.write(pickle.dumps((validating(fitted), str(fleet), str(out))))
     process.stdin.close()
-    said = next(int(line) for line in process.stdout if int(line) >= 4)
+    reported = next(int(line) for line in process.stdout if int(line) >= 4)
     workers = psutil.Process(process.pid).children(recursive=True)
     process.kill()
     process.wait()
     process.stdout.close()
-    assert said <= len(journalled(out)) < 24
+    assert reported <= len(journalled(out)) < 24
     assert not (out / "results.parquet").exists()
     assert psutil.wait_procs(workers, timeout=20)[1] == [], "workers outlive their parent"
 

@@ -1,4 +1,4 @@
-"""What patterns, folders and paths name."""
+"""Logs that patterns, folders and paths name."""
 
 from pathlib import Path
 
@@ -17,33 +17,33 @@ def tree(tmp_path, monkeypatch):
         path.touch()
 
 
-def found(*arguments, out="out"):
+def logs_of(*arguments, out="out"):
     return list(find_logs(arguments, Path(out)))
 
 
 def test_a_folder_is_all_logs_below_it():
-    assert found("logs") == ["logs/a.csv", "logs/deep/c.csv", "logs/deep/er/b.PARQUET"]
+    assert logs_of("logs") == ["logs/a.csv", "logs/deep/c.csv", "logs/deep/er/b.PARQUET"]
 
 
 def test_patterns_and_paths_as_given(tmp_path):
-    assert found("logs/*.csv") == ["logs/a.csv"]
-    assert found("logs/**/*.csv") == ["logs/a.csv", "logs/deep/c.csv"]
-    assert found(str(tmp_path / "logs/a.csv"), "logs/gone.csv") == [
+    assert logs_of("logs/*.csv") == ["logs/a.csv"]
+    assert logs_of("logs/**/*.csv") == ["logs/a.csv", "logs/deep/c.csv"]
+    assert logs_of(str(tmp_path / "logs/a.csv"), "logs/gone.csv") == [
         str(tmp_path / "logs/a.csv"),
         "logs/gone.csv",
     ]
     Path("logs/[1].csv").touch()
-    assert found("logs/[1].csv") == ["logs/[1].csv"]
+    assert logs_of("logs/[1].csv") == ["logs/[1].csv"]
 
 
 @pytest.mark.parametrize("argument", ["nolog", "logs/*.mf4"])
 def test_what_names_no_log_is_told(argument):
     with pytest.raises(LogError):
-        found("logs", argument)
+        logs_of("logs", argument)
 
 
 def test_results_among_the_logs_are_no_logs():
     Path("logs/out").mkdir()
     Path("logs/out/results.parquet").touch()
-    assert "logs/out/results.parquet" not in found("logs", out="logs/out")
-    assert "logs/out/results.parquet" not in found("logs/**/*.*", "logs", out="logs/out")
+    assert "logs/out/results.parquet" not in logs_of("logs", out="logs/out")
+    assert "logs/out/results.parquet" not in logs_of("logs/**/*.*", "logs", out="logs/out")

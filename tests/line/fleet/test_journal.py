@@ -1,4 +1,4 @@
-"""The journal on disk: rows to the last bit, what a crash leaves, other runs, a full disk."""
+"""The journal on the disk: exact rows, a crash, another run, a full disk."""
 
 import json
 import signal
@@ -68,13 +68,13 @@ def test_cut_anywhere_it_holds_the_transactions_that_are_whole(tmp_path_factory,
     for name, content in killed.items():
         (folder / name).write_bytes(content)
     pending = folder / f"{NAME}-wal"
-    kept = data.draw(st.integers(0, len(killed[pending.name])))
-    pending.write_bytes(killed[pending.name][:kept] + data.draw(st.binary(max_size=50)))
+    stored = data.draw(st.integers(0, len(killed[pending.name])))
+    pending.write_bytes(killed[pending.name][:stored] + data.draw(st.binary(max_size=50)))
     with opened(folder) as again:
         whole = len(again.logs())
         assert again.logs() == [f"log {i}" for i in range(whole)]
         assert [r.cells for r in again.rows(again.logs())] == [(i / 3.0,) for i in range(whole)]
-        assert kept < len(killed[pending.name]) or whole == 5
+        assert stored < len(killed[pending.name]) or whole == 5
         again.add([row("one more")])
     with opened(folder) as last:
         assert len(last.logs()) == whole + 1
@@ -130,13 +130,13 @@ from calib.line.fleet.rows import Row, Status
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, 200_000))
 journal = BatchJournal(Path(sys.argv[1]), json.loads(sys.argv[2]))
-kept = 0
+stored = 0
 try:
     while True:
-        journal.add([Row(f"log {kept:05d}", None, Status.DONE, "e" * 1000)])
-        kept += 1
+        journal.add([Row(f"log {stored:05d}", None, Status.DONE, "e" * 1000)])
+        stored += 1
 except OSError as error:
-    print(kept, error.strerror)
+    print(stored, error.strerror)
 """
 
 
@@ -144,8 +144,8 @@ except OSError as error:
 def test_a_disk_that_is_full_is_told_and_loses_no_row_that_was_kept(tmp_path):
     code = [sys.executable, "-c", NEARLY_FULL, tmp_path, json.dumps(SETTINGS)]
     ran = subprocess.run(code, cwd=ROOT, capture_output=True, text=True)
-    kept, _, why = ran.stdout.partition(" ")
-    assert int(kept) > 10, ran.stderr
+    stored, _, why = ran.stdout.partition(" ")
+    assert int(stored) > 10, ran.stderr
     assert why.strip()
     with opened(tmp_path) as journal:
-        assert journal.logs() == [f"log {i:05d}" for i in range(int(kept))]
+        assert journal.logs() == [f"log {i:05d}" for i in range(int(stored))]

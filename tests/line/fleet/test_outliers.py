@@ -1,4 +1,4 @@
-"""Cars that stand apart: the rule of naming, good fleets, cars that are off."""
+"""Outliers: good fleets seldom have one, and cars that are off are named."""
 
 import numpy as np
 import pytest
@@ -7,14 +7,14 @@ from scipy.stats import binom, t
 from calib.line.fleet.outliers import find_outliers
 
 
-def judged(values, least=0.0):
-    """Any metrics, of which differences of ``least`` matter."""
+def outlier_test(values, least=0.0):
+    """Test metrics (m, n) of which differences of ``least`` matter."""
     values = np.atleast_2d(values)
     return find_outliers(values, [least] * len(values))
 
 
 def cars_named(values):
-    return np.flatnonzero(judged(values).reasons.any(axis=0)).tolist()
+    return np.flatnonzero(outlier_test(values).reasons.any(axis=0)).tolist()
 
 
 FLEETS = 25
@@ -40,13 +40,13 @@ def shrunk(rng, m, n):
     return rng.normal(size=(m, n)) * (1.0 - rng.beta(4.0, 1.0, size=(m, n))) * 3.6
 
 
-def wrong(draw, metrics, cars):
+def false_alarms(draw, metrics, cars):
     """Number of pages of good cars, of `FLEETS`, that name a car."""
     rng = np.random.default_rng([1, cars, metrics])
-    return sum(judged(draw(rng, metrics, cars)).reasons.any() for _ in range(FLEETS))
+    return sum(outlier_test(draw(rng, metrics, cars)).reasons.any() for _ in range(FLEETS))
 
 
-MOST = binom.ppf(0.999, FLEETS, 0.05)
+MAX_FALSE_ALARMS = binom.ppf(0.999, FLEETS, 0.05)
 """As many of them are wrong once in 1000 times at 5 %."""
 
 
@@ -61,7 +61,7 @@ MOST = binom.ppf(0.999, FLEETS, 0.05)
     ],
 )
 def test_a_page_of_good_cars_seldom_names_a_car(draw, metrics, cars):
-    assert wrong(draw, metrics, cars) <= MOST
+    assert false_alarms(draw, metrics, cars) <= MAX_FALSE_ALARMS
 
 
 def test_a_car_that_is_six_sigma_off_is_named_once_with_all_its_reasons():
@@ -69,18 +69,18 @@ def test_a_car_that_is_six_sigma_off_is_named_once_with_all_its_reasons():
     x = rng.normal(size=(5, 60))
     x[1] = x[0] + 0.1 * x[1]  # follows the first
     x[:2, 17] += 8.0
-    found = judged(x)
-    assert np.flatnonzero(found.reasons.any(axis=0)).tolist() == [17]
-    assert np.flatnonzero(found.reasons[:, 17]).tolist() == [0, 1]
+    test = outlier_test(x)
+    assert np.flatnonzero(test.reasons.any(axis=0)).tolist() == [17]
+    assert np.flatnonzero(test.reasons[:, 17]).tolist() == [0, 1]
 
 
 def test_a_difference_that_does_not_matter_names_no_car():
     x = 0.38 + 1e-6 * np.random.default_rng(6).normal(size=60)
     x[5] += 1e-4
-    assert judged(x).reasons[0, 5]
-    assert not judged(x, 0.001).reasons.any()
+    assert outlier_test(x).reasons[0, 5]
+    assert not outlier_test(x, 0.001).reasons.any()
     x[5] += 0.05
-    assert judged(x, 0.001).reasons[0, 5]
+    assert outlier_test(x, 0.001).reasons[0, 5]
 
 
 def test_outliers_are_named_and_do_not_hide_each_other():
@@ -91,15 +91,15 @@ def test_outliers_are_named_and_do_not_hide_each_other():
 
 def test_gaps_few_cars_and_figures_without_scale():
     x = np.r_[np.nan, np.arange(20.0)]
-    assert np.isnan(judged(x).p[0, 0])
+    assert np.isnan(outlier_test(x).p[0, 0])
     for values in (np.arange(3.0), np.r_[np.zeros(50), 1.0], np.full(4, np.nan)):
-        assert not np.isfinite(judged(values).p).any()
+        assert not np.isfinite(outlier_test(values).p).any()
         assert cars_named(values) == []
 
 
 def test_the_tails_of_a_large_bulk_are_found():
-    at = (np.arange(8000) + 0.5) / 8000
+    share = (np.arange(8000) + 0.5) / 8000
     for freedom in (1e6, 4.0):
-        x = np.r_[t.ppf(at, freedom), np.nan]
+        x = np.r_[t.ppf(share, freedom), np.nan]
         x[-1] = t.isf(5e-5, freedom)
-        assert judged(x).p[0, -1] == pytest.approx(1e-4, rel=0.2)
+        assert outlier_test(x).p[0, -1] == pytest.approx(1e-4, rel=0.2)

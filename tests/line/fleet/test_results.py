@@ -1,3 +1,5 @@
+"""Read `results.parquet`: columns with kind and unit, order of the logs, files that are refused."""
+
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq

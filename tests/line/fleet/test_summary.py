@@ -1,3 +1,5 @@
+"""The summary of made results: the outlier, the statuses, and the errors by kind."""
+
 import re
 
 import pytest
@@ -8,22 +10,22 @@ from tests.support.fleet_results import OUTLIER, results
 
 
 @pytest.fixture(scope="module")
-def found(tmp_path_factory):
+def summary(tmp_path_factory):
     return summarise(open_fleet(results(tmp_path_factory.mktemp("fleet") / "r.parquet")))
 
 
-def test_the_outlier_is_named(found):
-    log, (reason,) = next(iter(found.outliers.items()))
+def test_the_outlier_is_named(summary):
+    log, (reason,) = next(iter(summary.outliers.items()))
     assert log == reason.log == f"line/car{OUTLIER + 1}.csv"
     assert (reason.figure, reason.value) == ("pad_friction_f", 0.55)
-    assert len(found.outliers) <= 2
+    assert len(summary.outliers) <= 2
 
 
-def test_statuses_shares_and_errors(found):
-    assert found.status == {"passed": 397, "error": 3}
-    pads = next(metric for metric in found.metrics if metric.column.name == "pad_friction_f")
+def test_statuses_shares_and_errors(summary):
+    assert summary.status == {"passed": 397, "error": 3}
+    pads = next(metric for metric in summary.metrics if metric.column.name == "pad_friction_f")
     assert (pads.values.size, pads.scale) == (397, pytest.approx(0.01, rel=0.1))
-    (failure,) = found.failures
+    (failure,) = summary.failures
     assert re.fullmatch(r"line/car\d+\.csv: <b>ends</b> at [\d.]+ s", failure.message)
     assert failure.count == 3
 

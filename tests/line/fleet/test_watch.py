@@ -1,4 +1,4 @@
-"""A watched folder, with a clock and a bench of the test's own."""
+"""Watch a folder by the clock of the test, which changes the folder between two scans."""
 
 import os
 from functools import partial
@@ -36,13 +36,13 @@ def idle():
 
 
 @pytest.fixture
-def seen(fitted, tmp_path, monkeypatch):
-    """Watch ``in`` while a bench acts; return rows told, names done, trouble and counts."""
+def watched(fitted, tmp_path, monkeypatch):
+    """Watch ``in`` while a bench acts; return rows rows, names done, errors and counts."""
     monkeypatch.chdir(tmp_path)
     Path("in").mkdir()
 
     def run(*acts, settle=2.0):
-        bench, told, trouble = Bench(*acts), [], []
+        bench, rows, errors = Bench(*acts), [], []
         executor = Here()
         counts = watch(
             validating(fitted),
@@ -50,12 +50,12 @@ def seen(fitted, tmp_path, monkeypatch):
             Path("out"),
             executor,
             bench,
-            told.append,
-            trouble.append,
+            rows.append,
+            errors.append,
             settle=settle,
             clock=lambda: bench.time,
         )
-        return told, executor.done, trouble, counts
+        return rows, executor.done, errors, counts
 
     return run
 
@@ -67,10 +67,10 @@ def dropped(name, data):
     return act
 
 
-def test_rows_are_those_of_a_batch(seen, six, fitted, monkeypatch):
+def test_rows_are_those_of_a_batch(watched, six, fitted, monkeypatch):
     acts = [dropped(path.name, path.read_bytes()) for path in sorted(Path(six).iterdir())]
-    told, done, _, counts = seen(*acts, *[idle] * 5)
-    assert len(told) == len(done) == 6
+    rows, done, _, counts = watched(*acts, *[idle] * 5)
+    assert len(rows) == len(done) == 6
     monkeypatch.chdir("in")
     batch = run_batch(validating(fitted), ["*.csv"], Path("../batch"), Here())
     assert counts == batch.counts
@@ -78,22 +78,22 @@ def test_rows_are_those_of_a_batch(seen, six, fitted, monkeypatch):
     assert pq.read_table(RESULTS).equals(pq.read_table("batch/results.parquet"))
 
 
-def test_a_log_that_changes_is_done_again_and_one_taken_away_keeps_its_row(seen, six):
+def test_a_log_that_changes_is_done_again_and_one_taken_away_keeps_its_row(watched, six):
     first, other = (Path(six, f"car_0000{i}.csv").read_bytes() for i in (0, 2))
     changes = [dropped("a.csv", first), *[idle] * 4, dropped("a.csv", other), *[idle] * 4]
-    told, *_ = seen(*changes, Path("in/a.csv").unlink, idle)
-    assert [row.log for row in told] == ["a.csv", "a.csv"]
-    assert told[0].digest != told[1].digest
+    rows, *_ = watched(*changes, Path("in/a.csv").unlink, idle)
+    assert [row.log for row in rows] == ["a.csv", "a.csv"]
+    assert rows[0].digest != rows[1].digest
     (row,) = pq.read_table(RESULTS).to_pylist()
-    assert row["digest"] == told[1].digest
+    assert row["digest"] == rows[1].digest
 
 
-def test_a_folder_that_is_away_for_a_while_is_told_once(seen, six):
+def test_a_folder_that_is_away_for_a_while_is_told_once(watched, six):
     data = Path(six, "car_00000.csv").read_bytes()
     away, back = partial(os.rename, "in", "gone"), partial(os.rename, "gone", "in")
-    told, _, trouble, _ = seen(
+    rows, _, errors, _ = watched(
         away, idle, idle, back, dropped("a.csv", data), *[idle] * 4, away, idle
     )
-    assert [row.log for row in told] == ["a.csv"]
-    assert len(trouble) == 2
-    assert "in" in trouble[0]
+    assert [row.log for row in rows] == ["a.csv"]
+    assert len(errors) == 2
+    assert "in" in errors[0]

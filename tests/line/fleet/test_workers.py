@@ -97,9 +97,9 @@ def test_a_killed_process_of_this_machine_costs_no_row(fitted, fleet, undisturbe
 @with_dask
 def test_a_killed_worker_costs_no_row(fitted, fleet, undisturbed, cluster, tmp_path):
     (address, workers), out = cluster, tmp_path / "out"
-    said = pickle.dumps((validating(fitted), str(fleet), str(out), address, workers[0].pid))
+    message = pickle.dumps((validating(fitted), str(fleet), str(out), address, workers[0].pid))
     ran = subprocess.run(
-        [sys.executable, "-c", DRIVE], cwd=ROOT, input=said, capture_output=True, timeout=120
+        [sys.executable, "-c", DRIVE], cwd=ROOT, input=message, capture_output=True, timeout=120
     )
     assert ran.returncode == 0, ran.stderr.decode()
     assert b"killed after" in ran.stdout

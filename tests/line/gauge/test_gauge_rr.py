@@ -58,7 +58,7 @@ def drawn(rng, car, station, sd):
 
 
 def test_the_published_table():
-    found = {one.source: one for one in anova(*aiag()).sources}
+    result = {source.source: source for source in anova(*aiag()).sources}
     published = {  # degrees of freedom, sum of squares, mean square
         CAR: (9, 88.3619, 9.81799),
         STATION: (2, 3.1673, 1.58363),
@@ -66,21 +66,21 @@ def test_the_published_table():
         REPEATABILITY: (60, 2.7589, 0.04598),
     }
     for name, (df, ss, ms) in published.items():
-        assert found[name].df == df
-        assert found[name].ss == pytest.approx(ss, abs=6e-5)
-        assert found[name].ms == pytest.approx(ms, abs=6e-6)
+        assert result[name].df == df
+        assert result[name].ss == pytest.approx(ss, abs=6e-5)
+        assert result[name].ms == pytest.approx(ms, abs=6e-6)
 
 
 def test_one_way_with_unequal_numbers_by_hand():
     # n = 1, 2, 3: n0 = (6 - 14/6)/2 = 11/6 (Searle, Casella, McCulloch, Variance Components).
     car = np.array([0, 1, 1, 2, 2, 2])
     y = np.array([4.0, 1.0, 3.0, 7.0, 8.0, 9.0])
-    found = anova(y, car, np.zeros(6, dtype=int))
-    assert found.expected_mean_squares[0, 0] == pytest.approx(11.0 / 6.0)
+    result = anova(y, car, np.zeros(6, dtype=int))
+    assert result.expected_mean_squares[0, 0] == pytest.approx(11.0 / 6.0)
     within = 2.0 + 2.0
     between = 4.0**2 + 2 * 2.0**2 + 3 * 8.0**2 - 6 * (32.0 / 6.0) ** 2
-    assert found.variances[REPEATABILITY] == pytest.approx(within / 3.0)
-    assert found.variances[CAR] == pytest.approx((between / 2.0 - within / 3.0) / (11.0 / 6.0))
+    assert result.variances[REPEATABILITY] == pytest.approx(within / 3.0)
+    assert result.variances[CAR] == pytest.approx((between / 2.0 - within / 3.0) / (11.0 / 6.0))
 
 
 @given(st.integers(0, 2**32 - 1))
@@ -88,10 +88,10 @@ def test_the_parts_add_up_and_only_scatter_counts(seed):
     rng = np.random.default_rng(seed)
     car, station = rng.integers(0, 4, 30), rng.integers(0, 3, 30)
     y = rng.normal(size=30)
-    found, moved = anova(y, car, station), anova(3.0 * y + 5.0, car, station)
-    assert sum(s.ss for s in found.sources) == pytest.approx(np.sum((y - y.mean()) ** 2))
-    assert sum(s.df for s in found.sources) == 29
-    for name, variance in found.variances.items():
+    result, moved = anova(y, car, station), anova(3.0 * y + 5.0, car, station)
+    assert sum(s.ss for s in result.sources) == pytest.approx(np.sum((y - y.mean()) ** 2))
+    assert sum(s.df for s in result.sources) == 29
+    for name, variance in result.variances.items():
         assert moved.variances[name] == pytest.approx(9.0 * variance, abs=1e-9)
 
 
@@ -106,33 +106,33 @@ def test_what_a_design_can_tell():
 def test_the_published_study():
     # AIAG MSA, 4th ed.: EV 0.199933, AV 0.226838, GRR 0.302373, PV 1.042327; 18.4, 20.9, 27.9 %;
     # ndc 1.41 * 1.042327 / 0.302373 = 4.861, cut to 4
-    found = gauge_rr(anova(*aiag(), terms=(CAR, STATION, REPEATABILITY)))
-    sd = {name: c.sd for name, c in found.components.items()}
+    result = gauge_rr(anova(*aiag(), terms=(CAR, STATION, REPEATABILITY)))
+    sd = {name: c.sd for name, c in result.components.items()}
     assert sd[REPEATABILITY] == pytest.approx(0.199933, abs=2e-6)
     assert sd[REPRODUCIBILITY] == pytest.approx(0.226838, abs=2e-6)
     assert sd[GAUGE] == pytest.approx(0.302373, abs=2e-6)
     assert sd[CAR] == pytest.approx(1.042327, abs=2e-6)
-    assert found.grr.value == pytest.approx(0.279, abs=5e-4)
-    assert found.ndc.value == 4
+    assert result.grr.value == pytest.approx(0.279, abs=5e-4)
+    assert result.ndc.value == 4
 
 
 def test_the_tolerance_is_compared_with_six_standard_deviations():
     # AIAG MSA, 4th ed.: 6 GRR/(USL - LSL), GRR 0.302373 as published
     design = anova(*aiag(), terms=(CAR, STATION, REPEATABILITY))
-    found = gauge_rr(design, tolerance=8.0)
-    assert found.grr_of_tolerance.value == pytest.approx(6.0 * 0.302373 / 8.0, rel=1e-5)
-    low, high = found.grr_of_tolerance.ci95
-    assert low < found.grr_of_tolerance.value < high
-    assert found.cars_differ
+    result = gauge_rr(design, tolerance=8.0)
+    assert result.grr_of_tolerance.value == pytest.approx(6.0 * 0.302373 / 8.0, rel=1e-5)
+    low, high = result.grr_of_tolerance.ci95
+    assert low < result.grr_of_tolerance.value < high
+    assert result.cars_differ
     assert gauge_rr(design).grr_of_tolerance is None
 
 
 def test_a_negative_variance_is_nought():
-    found = gauge_rr(anova(*aiag()))
-    both = found.components[INTERACTION]
-    assert (both.sd, both.ci95[0]) == (0.0, 0.0)
-    parts = [found.components[name].sd ** 2 for name in (REPEATABILITY, STATION, CAR)]
-    assert found.components[TOTAL].sd ** 2 == pytest.approx(sum(parts))
+    result = gauge_rr(anova(*aiag()))
+    interaction = result.components[INTERACTION]
+    assert (interaction.sd, interaction.ci95[0]) == (0.0, 0.0)
+    parts = [result.components[name].sd ** 2 for name in (REPEATABILITY, STATION, CAR)]
+    assert result.components[TOTAL].sd ** 2 == pytest.approx(sum(parts))
 
 
 def test_intervals_hold_the_truth_as_often_as_they_say():
@@ -142,17 +142,17 @@ def test_intervals_hold_the_truth_as_often_as_they_say():
     keep = rng.random(car.size) > 0.2
     sd = (1.0, 0.3, 0.15, 0.2)
     grr = np.sqrt(1.0 - 1.0 / np.sum(np.square(sd)))
-    held = np.zeros(3)
+    covered = np.zeros(3)
     for _ in range(60):
         y = drawn(rng, car, station, sd)[keep]
-        found = gauge_rr(anova(y, car[keep], station[keep]))
-        c = found.components
-        held += [
+        result = gauge_rr(anova(y, car[keep], station[keep]))
+        c = result.components
+        covered += [
             low <= truth <= high
             for truth, (low, high) in (
                 (sd[0], c[CAR].ci95),
                 (sd[3], c[REPEATABILITY].ci95),
-                (grr, found.grr.ci95),
+                (grr, result.grr.ci95),
             )
         ]
-    assert np.all(held / 60 > 0.86)
+    assert np.all(covered / 60 > 0.86)

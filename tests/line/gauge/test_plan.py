@@ -1,3 +1,5 @@
+"""Plans of a gauge study: what is read, and what is refused."""
+
 import pytest
 
 from calib.base.errors import InputError

@@ -1,3 +1,5 @@
+"""Gauge studies on made readings of known scatter, and the metrics of a simulated ramp."""
+
 from dataclasses import replace
 
 import numpy as np
@@ -40,36 +42,36 @@ def readings(cars=10, stations=2, repeats=3, sd=(1.0, 0.05, 0.05), seed=4):
 def test_figures_of_a_ramp():
     log = noisy(ramp(with_pads(REAL, 0.36, 0.36)), 1)
     table = fit(CAR, [log])
-    found = metrics_of(table, log)
-    assert set(found) == set(METRICS)
-    assert found["pad_friction_f"] == pytest.approx(0.36, rel=0.02)
-    assert found["pad_scale"] == pytest.approx(0.36 / 0.38, rel=0.02)
-    assert found["eta_zero"] == pytest.approx(1.0 / 1.0008 - 1.0, abs=1e-4)  # the plant's radii
-    assert found["slip_stiffness"] == pytest.approx(25.0, rel=0.15)
+    result = metrics_of(table, log)
+    assert set(result) == set(METRICS)
+    assert result["pad_friction_f"] == pytest.approx(0.36, rel=0.02)
+    assert result["pad_scale"] == pytest.approx(0.36 / 0.38, rel=0.02)
+    assert result["eta_zero"] == pytest.approx(1.0 / 1.0008 - 1.0, abs=1e-4)  # the plant's radii
+    assert result["slip_stiffness"] == pytest.approx(25.0, rel=0.15)
 
 
 def test_a_good_gauge_and_what_does_not_scatter():
-    found = study(readings())
-    by_name = {result.name: result for result in found.results}
-    assert found.passed
+    result = study(readings())
+    by_name = {result.name: result for result in result.results}
+    assert result.passed
     assert by_name["x"].verdict == "good"
     assert by_name["x"].gauge.components["car"].sd == pytest.approx(1.0, rel=0.6)
     assert by_name["same"].verdict == "not judged"
-    assert found.cars[0] == "car 0"
-    assert found.stations == ("line 0", "line 1")
+    assert result.cars[0] == "car 0"
+    assert result.stations == ("line 0", "line 1")
 
 
-def of_pads(made):
-    return tuple(replace(r, figures={"pad_scale": r.figures["x"]}) for r in made)
+def of_pads(ramps):
+    return tuple(replace(r, figures={"pad_scale": r.figures["x"]}) for r in ramps)
 
 
 def test_cars_that_do_not_differ_show_nothing_of_a_gauge():
     """Then %GRR is near 100 % for any gauge: only a tolerance can judge it."""
     alike = of_pads(readings(sd=(0.0, 0.0, 0.05)))
-    found = study(alike)
-    assert not found.passed
-    assert found.results[0].verdict == "the cars do not differ"
-    assert all(j.value is None for j in found.results[0].judgements if j.figure != "x")
+    result = study(alike)
+    assert not result.passed
+    assert result.results[0].verdict == "the cars do not differ"
+    assert all(j.value is None for j in result.results[0].judgements if j.figure != "x")
     wide, narrow = (study(alike, (Limit("pad_scale", -w, w),)) for w in (2.0, 0.2))
     assert wide.passed
     assert wide.results[0].verdict == "good"  # 6 * 0.05 / 4
@@ -85,16 +87,16 @@ def test_the_limits_of_the_design_are_told():
 
 
 @pytest.mark.parametrize(
-    "made",
+    "ramps",
     [
         readings(cars=1),
         readings(stations=1, repeats=1),
         readings(cars=2, stations=2, repeats=1)[:3],
     ],
 )
-def test_a_design_that_cannot_do_is_refused(made):
+def test_an_insufficient_design_is_refused(ramps):
     with pytest.raises(InputError):
-        study(made)
+        study(ramps)
 
 
 @pytest.mark.parametrize("ends", ["min = 0.8", "max = 1.2", "min = 1.0, max = 1.0"])
@@ -107,8 +109,8 @@ def test_a_tolerance_has_two_ends(tmp_path, ends):
 
 def test_a_copy_of_a_run_is_no_repeat():
     run = made_run(stop(level=20.0))
-    seen = [LogReference("first", "ab" * 32, "ramp", fingerprint=fingerprint_of(run))]
+    earlier = [LogReference("first", "ab" * 32, "ramp", fingerprint=fingerprint_of(run))]
     thinned = {name: x[::2] for name, x in run.channels.items()}
     with pytest.raises(InputError):
-        refuse_repeated(replace(run, channels=thinned), seen)
-    refuse_repeated(made_run(stop(level=21.0)), seen)
+        refuse_repeated(replace(run, channels=thinned), earlier)
+    refuse_repeated(made_run(stop(level=21.0)), earlier)

@@ -9,10 +9,10 @@ from tests.support.station_run import failed_car
 
 
 @pytest.fixture(scope="session")
-def found() -> StationOutcome:
+def outcome() -> StationOutcome:
     return failed_car()
 
 
 @pytest.fixture(scope="session")
-def kept(found: StationOutcome, tmp_path_factory: pytest.TempPathFactory) -> Stored:
-    return Store(tmp_path_factory.mktemp("line") / "tables").save(found.table)
+def stored(outcome: StationOutcome, tmp_path_factory: pytest.TempPathFactory) -> Stored:
+    return Store(tmp_path_factory.mktemp("line") / "tables").save(outcome.table)

@@ -1,4 +1,4 @@
-"""All or nothing, and nothing stale."""
+"""The files of a run: all or none, and none of an earlier run."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""A car against golden tables that are closed forms: D = C (eta - 1), pads, tyres, their fleets."""
+"""A car against golden tables whose distance is a closed form."""
 
 import math
 from dataclasses import replace
@@ -20,18 +20,18 @@ def shortened(table):
 
 @pytest.mark.parametrize("stiffness", [20.0, 27.0, 30.0])
 def test_the_distance_is_that_of_the_stiffnesses(stiffness):
-    found = golden_metrics(made_table(stiffness), made_table(27.0))
-    assert found["golden_distance"] == pytest.approx(abs(stiffness / 27.0 - 1.0))
+    metrics = golden_metrics(made_table(stiffness), made_table(27.0))
+    assert metrics["golden_distance"] == pytest.approx(abs(stiffness / 27.0 - 1.0))
     # both bands are 2 (eta - 1) to either side
-    assert found["golden_bands"] == pytest.approx(abs(stiffness - 27.0) / (2.0 * 2.0**0.5))
+    assert metrics["golden_bands"] == pytest.approx(abs(stiffness - 27.0) / (2.0 * 2.0**0.5))
 
 
 def test_a_short_table_has_no_distance():
     golden = made_table()
     assert "golden_distance" in golden_metrics(golden, shortened(golden))
-    found = golden_metrics(shortened(car_table(9)), GOLDEN)
-    assert {"golden_distance", "golden_sigma_d"} & set(found) == set()
-    assert found["golden_sigma_stiffness"] == pytest.approx(0.0, abs=0.1)
+    metrics = golden_metrics(shortened(car_table(9)), GOLDEN)
+    assert {"golden_distance", "golden_sigma_d"} & set(metrics) == set()
+    assert metrics["golden_sigma_stiffness"] == pytest.approx(0.0, abs=0.1)
 
 
 def test_pads_and_tyres_are_compared_where_D_is_the_same():
@@ -53,8 +53,8 @@ def as_rare(value, freedom):
     return math.copysign(norm.isf(t.sf(abs(value), freedom)), value)
 
 
-def sigma(table, golden, of="d"):
-    return golden_metrics(table, golden)[f"golden_sigma_{of}"]
+def sigma(table, golden, name="d"):
+    return golden_metrics(table, golden)[f"golden_sigma_{name}"]
 
 
 GOLDEN = merge(cars(25.0, 27.0, 29.0), "golden")
@@ -64,16 +64,16 @@ GOLDEN = merge(cars(25.0, 27.0, 29.0), "golden")
 def test_D_of_a_car_over_scatter_and_error_of_the_mean():
     away = as_rare(6.0 / (2.0 * math.sqrt(4.0 / 3.0)), 2)
     for stiffness, expected in ((33.0, away), (21.0, -away), (27.0, 0.0)):
-        found = sigma(car_table(9, stiffness), GOLDEN)
-        assert found == pytest.approx(expected, rel=1e-6, abs=1e-6)
+        metrics = sigma(car_table(9, stiffness), GOLDEN)
+        assert metrics == pytest.approx(expected, rel=1e-6, abs=1e-6)
 
 
 def test_sigma_of_pads_and_tyres_where_D_is_the_same():
     made = [car_table(n, 27.0, 0.02 * n, -0.03 * n) for n in range(4)]
     golden = merge([version(table, n) for n, table in enumerate(made, 1)], "golden")
-    S = np.std(range(4), ddof=1)
+    scatter = np.std(range(4), ddof=1)
     car = car_table(9, 27.0, 0.02 * 6.0, -0.03 * 6.0)
-    away = as_rare((6.0 - 1.5) / (S * math.sqrt(1.25)), 3)
+    away = as_rare((6.0 - 1.5) / (scatter * math.sqrt(1.25)), 3)
     assert sigma(car, golden) == pytest.approx(0.0, abs=1e-6)
     assert sigma(car, golden, "ratio") == pytest.approx(-away, rel=1e-6)
     assert sigma(car, golden, "level") == pytest.approx(away, rel=0.02)  # the shares move a little

@@ -34,10 +34,10 @@ REQUIRED = {
 }
 
 
-def test_jenkins_takes_it(found, kept):
-    root = ElementTree.fromstring(junit_xml(found, kept))
+def test_jenkins_takes_it(outcome, stored):
+    root = ElementTree.fromstring(junit_xml(outcome, stored))
     assert root.tag == "testsuites"
-    assert "\N{REPLACEMENT CHARACTER}" not in junit_xml(found, kept).decode()
+    assert "\N{REPLACEMENT CHARACTER}" not in junit_xml(outcome, stored).decode()
     assert {element.tag for element in root.iter()} >= {"failure", "skipped", "property"}
     for element in root.iter():
         attributes, children = ALLOWED[element.tag]
@@ -47,16 +47,16 @@ def test_jenkins_takes_it(found, kept):
         assert re.fullmatch(r"[0-9]*(\.[0-9]*)?", element.get("time", ""))
 
 
-def test_counts_are_those_of_the_cases(found, kept):
-    root = ElementTree.fromstring(junit_xml(found, kept))
+def test_counts_are_those_of_the_cases(outcome, stored):
+    root = ElementTree.fromstring(junit_xml(outcome, stored))
     (suite,) = root
     cases = suite.findall("testcase")
-    assert len(cases) == int(suite.get("tests")) == len(found.checks)
+    assert len(cases) == int(suite.get("tests")) == len(outcome.checks)
     for tag, total, word in (
         ("failure", "failures", "failed"),
         ("skipped", "skipped", "not known"),
     ):
         n = sum(case.find(tag) is not None for case in cases)
-        assert n == int(suite.get(total)) == found.counts[word]
+        assert n == int(suite.get(total)) == outcome.counts[word]
     assert int(root.get("failures")) == int(suite.get("failures"))
     assert int(suite.get("failures")) >= 2  # wet pads do not agree with dry ones

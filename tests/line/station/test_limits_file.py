@@ -1,4 +1,4 @@
-"""The file that `limits` writes says what the program does."""
+"""The limits file that `limits` writes has the default limits."""
 
 from calib.estimation.limits_file import read_limits
 from calib.estimation.metrics import METRICS as OF_STOPS

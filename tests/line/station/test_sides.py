@@ -29,10 +29,10 @@ def test_the_imbalance_is_found_on_a_straight_tyre(share, axle):
     log = with_imbalance(made_run(noise=0.0), share, axle)
     own = log[f"omega_{axle}l"]
     log = changed(log, **{f"omega_{axle}l": own * 1.003})  # a radius is no imbalance
-    found = side_difference(TABLE, Run(log), axle)
-    other = side_difference(TABLE, Run(log), "r" if axle == "f" else "f")
-    assert found == pytest.approx(share, abs=0.01)
-    assert other == pytest.approx(0.0, abs=0.01)
+    difference = side_difference(TABLE, Run(log), axle)
+    of_other_axle = side_difference(TABLE, Run(log), "r" if axle == "f" else "f")
+    assert difference == pytest.approx(share, abs=0.01)
+    assert of_other_axle == pytest.approx(0.0, abs=0.01)
 
 
 def test_a_difference_of_the_pressures_is_not_one_of_the_pads():
@@ -52,7 +52,7 @@ def test_not_known_without_speed_without_braking_or_in_noise():
 C, B = 27.0, 20.0
 
 
-def bent(end):
+def with_nonlinear_tyre(end):
     """The table with the tyre F = C s (1 - B s) up to the slip ``end``; its top is at 0.025."""
     slip = np.linspace(0.0, end, 401)
     return replace(TABLE, tyre=replace(TABLE.tyre, slip=slip, force=C * slip * (1.0 - B * slip)))
@@ -75,6 +75,8 @@ def with_forces(log, share):
 
 
 @pytest.mark.parametrize("share", [-1.2, 0.2])
-def test_on_a_tyre_that_bends_it_is_the_force_that_differs(share):
+def test_on_a_nonlinear_tyre_it_is_the_force_that_differs(share):
     log = with_forces(made_run(ramp(top=30.0), noise=0.0), share)
-    assert side_difference(bent(0.024), Run(log), "f") == pytest.approx(share, abs=0.01)
+    assert side_difference(with_nonlinear_tyre(0.024), Run(log), "f") == pytest.approx(
+        share, abs=0.01
+    )

@@ -65,9 +65,11 @@ def test_its_stops_have_the_numbers_of_the_library(good):
 
 
 def test_weak_pads_fail_the_level_of_the_pads_and_nothing_else_of_the_car():
-    file = 0.38 / 0.75
-    found = run(with_pads(file, file))
-    assert found.figures["pad_scale"] == pytest.approx(0.38 / file, rel=0.02)
-    bad = {c.figure for c in found.checks if c.stop is None and c.verdict in ("failed", "warning")}
+    in_file = 0.38 / 0.75
+    outcome = run(with_pads(in_file, in_file))
+    assert outcome.figures["pad_scale"] == pytest.approx(0.38 / in_file, rel=0.02)
+    bad = {
+        c.figure for c in outcome.checks if c.stop is None and c.verdict in ("failed", "warning")
+    }
     assert bad == {"pad_scale"}
-    assert found.verdict == "failed"
+    assert outcome.verdict == "failed"

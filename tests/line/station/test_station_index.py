@@ -11,8 +11,8 @@ from calib.show.station_index import index_facts, write_index
 
 
 @pytest.fixture
-def folder(found, kept, tmp_path):
-    document = to_dict(found, kept, [])
+def folder(outcome, stored, tmp_path):
+    document = to_dict(outcome, stored, [])
     for i in range(3):
         (tmp_path / f"day/car-{i}").mkdir(parents=True)
         document["identity"] = {"serial": f"<b>{i}"}
@@ -40,10 +40,10 @@ def test_failed_runs_stand_on_top_of_the_recent_ones(folder):
     """Of six runs, from the newest: passed, failed, warning, damaged, failed, refused."""
     verdicts = ("passed", "failed", "warning", index.UNREADABLE, "failed", index.NO_VERDICT)
     runs = [index.IndexedRun(f"car-{i}", 10.0 - i, word) for i, word in enumerate(verdicts)]
-    told = index_facts(runs, "line")
-    assert told.word == "car-0: Passed"  # the last car is the headline
-    assert [row[0] for row in told.tables[0].rows] == [f"car-{i}" for i in (1, 3, 4, 5, 2, 0)]
-    assert told.tables[0].links[3] == ""  # a refused car has no report
+    facts = index_facts(runs, "line")
+    assert facts.word == "car-0: Passed"  # the last car is the headline
+    assert [row[0] for row in facts.tables[0].rows] == [f"car-{i}" for i in (1, 3, 4, 5, 2, 0)]
+    assert facts.tables[0].links[3] == ""  # a refused car has no report
 
 
 def test_a_damaged_run_is_shown(folder):

@@ -11,10 +11,12 @@ from tests.support.station_run import MARKUP
 
 
 @pytest.fixture(scope="module")
-def html(found, kept):
-    car = replace(found.table.vehicle, name=f"car {MARKUP}")
+def html(outcome, stored):
+    car = replace(outcome.table.vehicle, name=f"car {MARKUP}")
     return page_of(
-        station_facts(StationRun(replace(found, table=replace(found.table, vehicle=car)), kept))
+        station_facts(
+            StationRun(replace(outcome, table=replace(outcome.table, vehicle=car)), stored)
+        )
     )
 
 

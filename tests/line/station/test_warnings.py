@@ -1,4 +1,4 @@
-"""What ramp and stops of one car say against each other."""
+"""Warnings of ramp and stops of one car together."""
 
 from dataclasses import replace
 from types import SimpleNamespace
@@ -17,29 +17,29 @@ def table():
     return fit(CAR, [noisy(ramp(REAL), 1)])
 
 
-def made(front, rear):
+def result_with(front, rear):
     return SimpleNamespace(figures={"pad_friction_f": front, "pad_friction_r": rear})
 
 
 def test_the_level_is_that_of_the_whole_car(table):
     cal = table.calibration
     f, r = cal.pad_friction_f.value, cal.pad_friction_r.value
-    assert level_change(table, made(f, r)) == pytest.approx(1.0)
-    assert level_change(table, made(0.9 * f, 0.9 * r)) == pytest.approx(0.9)
-    front_only = level_change(table, made(0.9 * f, r))
+    assert level_change(table, result_with(f, r)) == pytest.approx(1.0)
+    assert level_change(table, result_with(0.9 * f, 0.9 * r)) == pytest.approx(0.9)
+    front_only = level_change(table, result_with(0.9 * f, r))
     share = (1.0 - front_only) / 0.1
     assert 0.65 < share < 0.8  # the front axle makes three quarters of the brake force
-    assert level_change(table, made(None, r)) is None
+    assert level_change(table, result_with(None, r)) is None
 
 
-@pytest.mark.parametrize(("mass", "named"), [(1.0, []), (1.15, ["level_changed"])])
-def test_a_load_in_the_stops_is_named(table, mass, named):
+@pytest.mark.parametrize(("mass", "expected"), [(1.0, []), (1.15, ["level_changed"])])
+def test_a_load_in_the_stops_is_named(table, mass, expected):
     plant = replace(REAL, mass_scale=mass)
     results = validate(table, [noisy(stop(plant, p, f"stop_{p}"), 3) for p in (15e5, 30e5)])
-    found = list(car_warnings(table, results))
-    assert [one.code for one in found] == named
-    for one in found:
-        assert one.measured == pytest.approx(1.0 / mass - 1.0, abs=0.02)
+    warnings = list(car_warnings(table, results))
+    assert [warning.code for warning in warnings] == expected
+    for warning in warnings:
+        assert warning.measured == pytest.approx(1.0 / mass - 1.0, abs=0.02)
 
 
 def test_radii_that_differ_as_the_file_says_are_no_warning():
@@ -48,6 +48,6 @@ def test_radii_that_differ_as_the_file_says_are_no_warning():
     log = noisy(ramp(REAL), 5)
     turned = {w: log[w] / 1.02 if w in ("omega_rl", "omega_rr") else log[w] for w in log.channels}
     log = replace(log, channels=turned)
-    for vehicle, named in ((None, True), (wide, False), (CAR, True)):
-        found = check(log, vehicle=vehicle).warnings
-        assert ("eta_zero" in [warning.code for warning in found]) == named
+    for vehicle, expected in ((None, True), (wide, False), (CAR, True)):
+        warnings = check(log, vehicle=vehicle).warnings
+        assert ("eta_zero" in [warning.code for warning in warnings]) == expected
