@@ -1,6 +1,7 @@
-"""The demo: command lines on the sample logs, and the index of what they answered and left.
+"""The demo: command lines on the sample logs, and the index of their answers, pages and pictures.
 
-A line needs what those before it made. Answers are known, since true torques and causes are.
+`demo.csv` has the lines; a line uses what earlier lines wrote. The answers can be checked, since
+the true torques and causes of the sample logs are known.
 """
 
 import base64
@@ -15,15 +16,22 @@ from calib.base.plain import counted, rows
 from calib.show.facts import FAILED, PASSED, WORDS, Facts, Table
 
 INDEX = "index.html"
+"""Name of the page that links everything."""
 _THUMBNAIL, _SHADES = 160, 15
-"""Width of a picture in the index, about [px], and shades of each colour."""
+"""Approximate width of a picture in the index [px]; number of shades of each colour."""
 
 
 @dataclass(frozen=True)
 class Step:
-    """One command line: its ``purpose``, the page or picture that it ``leaves``, "" for none.
+    """One command line of the demo.
 
-    ``expected`` is in its answer if all is well; ``figure`` is what it draws of the paper.
+    Attributes
+    ----------
+    figure : number of the paper's figure that the command draws, "" for none.
+    purpose : what the command is for.
+    leaves : path of the page or picture that the command writes, "" for none.
+    expected : text that a right answer contains.
+    line : the command line.
     """
 
     figure: str
@@ -35,20 +43,22 @@ class Step:
 
 @dataclass(frozen=True)
 class Ran:
-    """What a line answered, and whether it ended well with what was expected."""
+    """The answer of a command, and whether it ended with 0 and the expected answer."""
 
     answer: str
     passed: bool
 
 
 STEPS = tuple(Step(**row) for row in rows("demo.csv", "calib.help"))
+"""The command lines in their order."""
 
 
 def demo_facts(ran: Mapping[Step, Ran], folder: Path) -> Facts:
-    """The index; its links lead from the ``folder`` of the demo."""
-    passed = sum(one.passed for one in ran.values())
+    """Return the index of the demo; paths in the steps are relative to its ``folder``."""
+    passed = sum(answer.passed for answer in ran.values())
     verdict = PASSED if passed == len(ran) else FAILED
-    drawn = sorted((s for s in ran if s.figure), key=lambda s: int(s.figure.split()[0]))
+    figures = [step for step in ran if step.figure]
+    figures.sort(key=lambda step: int(step.figure.split()[0]))
     return Facts(
         title="brake-cal demo",
         verdict=verdict,
@@ -57,15 +67,15 @@ def demo_facts(ran: Mapping[Step, Ran], folder: Path) -> Facts:
         next="brake-cal manual",
         tables=[
             _table("What was done; each command can be typed again in this folder.",
-                   {s.purpose: s for s in ran if not s.figure}, ran, folder),
+                   {step.purpose: step for step in ran if not step.figure}, ran, folder),
             _table("The paper's figures, drawn with these cars.",
-                   {f"Fig. {s.figure}: {s.purpose}": s for s in drawn}, ran, folder),
+                   {f"Fig. {step.figure}: {step.purpose}": step for step in figures}, ran, folder),
         ],
     )  # fmt: skip
 
 
 def _table(caption: str, steps: Mapping[str, Step], ran: Mapping[Step, Ran], folder: Path) -> Table:
-    """The steps by their names; each that left a page or a picture links it."""
+    """Return a table of the steps, by their names in the index, with links to what they wrote."""
     rows = [(name, step.line, ran[step].answer) for name, step in steps.items()]
     verdicts = [PASSED if ran[step].passed else FAILED for step in steps.values()]
     links = [step.leaves if ran[step].passed else "" for step in steps.values()]
@@ -74,12 +84,13 @@ def _table(caption: str, steps: Mapping[str, Step], ran: Mapping[Step, Ran], fol
 
 
 def _thumbnail(picture: Path) -> str:
-    """A picture in small, as a data URI: means over squares of pixels."""
+    """Return a small copy of a picture as a data URI: means over squares of pixels."""
     from matplotlib.image import imread, imsave
 
-    pixels, buffer = imread(picture), io.BytesIO()
-    step = max(1, pixels.shape[1] // _THUMBNAIL)
-    height, width = (step * (size // step) for size in pixels.shape[:2])
-    squares = pixels[:height, :width, :3].reshape(height // step, step, width // step, step, 3)
+    pixels, buffer = imread(picture), io.BytesIO()  # (height, width, colours)
+    side = max(1, pixels.shape[1] // _THUMBNAIL)
+    height, width = (size // side for size in pixels.shape[:2])
+    whole = pixels[: height * side, : width * side, :3]
+    squares = whole.reshape(height, side, width, side, 3)
     imsave(buffer, np.rint(_SHADES * squares.mean(axis=(1, 3))) / _SHADES, format="png")
     return f"data:image/png;base64,{base64.b64encode(buffer.getvalue()).decode()}"

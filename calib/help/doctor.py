@@ -1,4 +1,7 @@
-"""Whether the program can work on this machine: packages, settings, store. Nothing is written."""
+"""Whether the program can work on this machine: its packages, the store and the settings.
+
+Nothing is written.
+"""
 
 import os
 import platform
@@ -19,13 +22,13 @@ from calib.show.facts import Facts, Table
 from calib.store.folders import names_in, versions_in
 
 FINE, NOTE, WRONG = "fine", "note", "wrong"
-"""States: as it should be, something is limited, the program cannot work."""
+"""States: all is well; something is limited; the program cannot work."""
 
 
 def environment() -> dict[str, str]:
-    """Names and values of what the program runs on; a value may be empty."""
+    """Return interpreter, operating system, machine and processor; a value may be empty."""
     processor = platform.processor()
-    with suppress(OSError):  # Linux tells its name here alone
+    with suppress(OSError):  # the only place where Linux names the processor
         text = Path("/proc/cpuinfo").read_text()
         model = re.search(r"^model name\s*:\s*(.+)$", text, re.MULTILINE)
         processor = model[1] if model else processor
@@ -38,7 +41,7 @@ def environment() -> dict[str, str]:
 
 
 def packages() -> Iterator[tuple[Requirement, str, str]]:
-    """Each package that is declared for users, its installed version and extra; "" for none."""
+    """Yield each package that users need, its installed version and its extra; "" for none."""
     declared = next((x.requires for x in distributions(name=NAME)), None)
     for need in map(Requirement, declared or ()):
         installed = next((x.version for x in distributions(name=need.name)), "")
@@ -50,7 +53,7 @@ def packages() -> Iterator[tuple[Requirement, str, str]]:
 
 @dataclass(frozen=True)
 class _Finding:
-    """One thing that was looked at: its ``state`` in a ``text``, and what to ``do`` if needed."""
+    """A thing that was examined: its ``name``, its ``state``, why in ``text``, what to ``do``."""
 
     name: str
     state: str
@@ -59,7 +62,7 @@ class _Finding:
 
 
 def examine(store: Path | None = None) -> tuple[_Finding, ...]:
-    """Look at everything; the ``store`` is that of the settings, or the usual one, if not given."""
+    """Examine packages, store and settings; without ``store``, that of the settings or `STORE`."""
     from calib.base.settings_file import find_project
 
     usual = None
@@ -73,6 +76,7 @@ def examine(store: Path | None = None) -> tuple[_Finding, ...]:
 
 
 def _package(package: tuple[Requirement, str, str]) -> _Finding:
+    """Return whether an item of `packages` is installed in a version that fits."""
     need, installed, extra = package
     text = f"{installed or 'missing'} (needs {need.specifier})"
     if installed and need.specifier.contains(installed, prereleases=True):
@@ -85,6 +89,7 @@ def _package(package: tuple[Requirement, str, str]) -> _Finding:
 
 
 def _store(store: Path) -> _Finding:
+    """Return whether the store can be read and written, and how many tables it has."""
     if not store.exists():
         do = "the first `brake-cal fit` makes it"
         return _Finding("store", NOTE, f"{store} is not there", do)
@@ -99,7 +104,7 @@ def _store(store: Path) -> _Finding:
 
 
 def doctor_facts(findings: Sequence[_Finding]) -> Facts:
-    """What was found, the odd things first."""
+    """Return the facts of the findings; those that are not `FINE` are the answer."""
     wrong = [finding.name for finding in findings if finding.state == WRONG]
     can = f"cannot work here: {', '.join(wrong)}" if wrong else "can work here"
     rows = [(x.name, x.state, "; ".join(filter(None, (x.text, x.do)))) for x in findings]

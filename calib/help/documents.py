@@ -1,9 +1,11 @@
-"""The documents that commands print or write, by `documents.toml`, as JSON Schemas.
+"""JSON Schemas of the files that users write, and of the documents that commands print or write.
 
-[fit-json]
-title = "brake-cal fit LOG... --json"
-[fit-json.keys]
-new = "true or false: false where the same content was stored already"
+`files.csv` lists the files, each with the class that reads it; `documents.toml` has the documents:
+
+    [fit-json]
+    title = "brake-cal fit LOG... --json"
+    [fit-json.keys]
+    new = "true or false: false where the same content was stored already"
 """
 
 import tomllib
@@ -26,23 +28,26 @@ _TYPES = {
     "object": "object",
     "list": "array",
 }
-"""JSON type of a value, or of the items of a list, by the words of `documents.toml`."""
+"""JSON types by the words of `documents.toml`."""
 _SEVERAL = " ..."
-"""End of a key that stands for all keys with this beginning."""
+"""End of a key that stands for all keys that begin alike."""
 
 
 @dataclass(frozen=True)
 class Document:
-    """One document: its ``title``, and of each key of its first level "type: meaning"."""
+    """A document: its ``title``, and "type: meaning" of each key of its first level."""
 
     title: str
     keys: dict[str, str]
 
     @property
     def schema(self) -> dict[str, Any]:
-        """Its JSON Schema, draft 2020-12; further keys are allowed."""
-        values = {name: _value(*says.split(": ", 1)) for name, says in self.keys.items()}
-        fixed = {name: one for name, one in values.items() if not name.endswith(_SEVERAL)}
+        """JSON Schema of the document, draft 2020-12; further keys are allowed."""
+        fixed = {}
+        for name, text in self.keys.items():
+            if not name.endswith(_SEVERAL):
+                words, meaning = text.split(": ", 1)
+                fixed[name] = _value(words, meaning)
         return {
             "$schema": "https://json-schema.org/draft/2020-12/schema",
             "title": self.title,
@@ -53,28 +58,30 @@ class Document:
 
 
 def _value(words: str, meaning: str) -> dict[str, Any]:
-    """The JSON Schema of a value by the words of `documents.toml`."""
-    bare = words.removesuffix(" or null")
-    container, _, several = bare.partition(" of ")
+    """Return the JSON Schema of a value; its type is in ``words``: "list of texts or null"."""
+    words_of_type = words.removesuffix(" or null")
+    container, _, items = words_of_type.partition(" of ")
     kind = _TYPES[container]
-    items = {"items": {"type": _TYPES[several.removesuffix("s")]}} if several else {}
-    return {"type": kind if bare == words else [kind, "null"], **items, "description": meaning}
+    schema: dict[str, Any] = {"type": kind if words == words_of_type else [kind, "null"]}
+    if items:
+        schema["items"] = {"type": _TYPES[items.removesuffix("s")]}
+    return schema | {"description": meaning}
 
 
 @cache
 def documents() -> dict[str, Document]:
-    """Every document, by the name of its schema."""
+    """Return every document, by the name of its schema."""
     written = Path(__file__).with_name("documents.toml").read_text(encoding="utf-8")
-    return {name: Document(**one) for name, one in tomllib.loads(written).items()}
+    return {name: Document(**section) for name, section in tomllib.loads(written).items()}
 
 
 _FILES = {row["name"]: row for row in rows("files.csv", "calib.help")}
 FILES = {name: row["content"] for name, row in _FILES.items()}
-"""Kinds of files, and their content."""
+"""Content of each kind of file, in words."""
 
 
 def section(name: str) -> "type[Section]":
-    """The class of a kind of file."""
+    """Return the class that reads a kind of file."""
     from calib.estimation.limits_file import limits_schema
     from calib.estimation.metrics import METRICS as OF_STOPS
     from calib.line.gauge.study import KNOWN_LIMITS
@@ -88,12 +95,12 @@ def section(name: str) -> "type[Section]":
 
 
 def kinds() -> list[str]:
-    """Every kind of file and document that has a schema."""
+    """Return the names of all schemas, of files and of documents."""
     return [*FILES, *documents()]
 
 
 def schema_of(name: str) -> dict[str, Any]:
-    """The JSON Schema of a file or a document."""
+    """Return the JSON Schema of a kind of file, or of a document."""
     from calib.base.record import json_schema
 
     return json_schema(section(name)) if name in FILES else documents()[name].schema

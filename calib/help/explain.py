@@ -17,17 +17,18 @@ _ELSE = {REFUSE: "else it is refused", VOID: "else no sample counts", WARN: "els
 
 
 def codes() -> list[str]:
-    """Every code that `explained` knows."""
+    """Return every code that `explained` knows."""
     return [*dict.fromkeys([*(x.code for x in RULES), *METRICS, *Reason.__members__, *CHECKS])]
 
 
 def explained(code: str) -> Facts:
-    """A code in words, as rule, metric and reason; no rows for an unknown one."""
+    """Return what a code means, as rule, metric and reason; no rows for an unknown code."""
     rows = [*_rules(code), *_metric(code), *_reason(code)]
     return Facts(code, rows=list(dict.fromkeys(rows)))
 
 
 def _rules(code: str) -> list[Row]:
+    """Return what the rules of a code measure and expect; likely causes, and what to do."""
     rows: list[Row] = []
     for rule in (one for one in RULES if one.code == code):
         causes = [
@@ -44,16 +45,18 @@ def _rules(code: str) -> list[Row]:
 
 
 def _open(text: str) -> str:
-    """A text with dots where the values of a log stand."""
+    """Return a text with dots in place of the values of a log."""
     return re.sub(r"\{\w+[^{}]*\}", "...", text)
 
 
 def _range(low: float, high: float) -> str:
+    """Return a range in words."""
     words = range_words(*("" if math.isinf(end) else f"{end:g}" for end in (low, high)))
     return "what cars have" if words == "none" else words
 
 
 def _metric(code: str) -> list[Row]:
+    """Return the meaning and the limits of a metric; [] for another code."""
     if (metric := METRICS.get(code)) is None:
         return []
     stop = metric.stop
@@ -71,6 +74,7 @@ def _metric(code: str) -> list[Row]:
 
 
 def _reason(code: str) -> list[Row]:
+    """Return the meaning of a reason of an ECU, or of a check; [] for another code."""
     if code in CHECKS:
         return [("check of IMPLAUSIBLE", CHECKS[code])]
     if code in Reason.__members__:

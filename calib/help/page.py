@@ -1,6 +1,6 @@
-"""The pages of the manual and their order, which `index.md` has, and a page on a terminal.
+"""The pages of the manual in the order of `index.md`, and how a terminal shows a page.
 
-page.md --links, equations--> plain Markdown --rich--> lines of the terminal's width
+page.md --for_terminal--> Markdown without links and LaTeX --rich--> lines
 """
 
 import re
@@ -11,6 +11,7 @@ from pathlib import Path
 from calib.help.samples import sample_logs
 
 FOLDER = Path(__file__).parents[1] / "manual"
+"""Folder of the pages."""
 _ROW = re.compile(r"## (?P<group>.+)|- \[(?P<title>.+)\]\((?P<name>\w+)\.md\): (?P<about>.+)")
 _COMMENT = re.compile(r"^<!--.*?-->\n\n?", re.DOTALL | re.MULTILINE)
 _PIECE = re.compile(
@@ -19,7 +20,7 @@ _PIECE = re.compile(
     r"|\[(?P<words>[^]]*)\]\((?P<page>\w+)\.md\S*?\)|\[(?P<here>[^]]*)\]\(#\S*\)",
     re.DOTALL | re.MULTILINE,
 )
-"""What a terminal shows in another way, and code, which stays as it is."""
+"""Parts of a page that a terminal shows in another way; code is matched to keep it as it is."""
 _OF_LATEX = (
     (r"\\mathrm\{(\w+)\}", r"\1"),
     (r"([_^])\{(\w+)\}", r"\1\2"),
@@ -35,14 +36,14 @@ _OF_LATEX = (
     (r"\\(left|right)\b", ""),
     (r"\\([A-Za-z]+)", r"\1"),
 )
-"""Patterns of an equation, from the inside outwards, and what they become."""
+"""Patterns of LaTeX and what replaces them; innermost parts first."""
 
 
 @dataclass(frozen=True)
 class _Page:
-    """One page: ``name`` of its file, ``title``, one line ``about`` it, ``group`` of the contents.
+    """A page: the ``name`` of its file, its ``title``, what it is ``about``, its ``group``.
 
-    The text is read when it is asked for.
+    The groups are those of the contents.
     """
 
     name: str
@@ -52,13 +53,13 @@ class _Page:
 
     @property
     def text(self) -> str:
-        """The page as Markdown, without comments."""
+        """The page as Markdown, without comments; the file is read at each call."""
         return _COMMENT.sub("", (FOLDER / f"{self.name}.md").read_text(encoding="utf-8"))
 
 
 @cache
 def contents() -> dict[str, _Page]:
-    """All pages by name, in the order in which they are read, without the list itself."""
+    """Return the pages by name, in the order of `index.md`, which is none of them."""
     pages, group = {}, ""
     for line in (FOLDER / "index.md").read_text(encoding="utf-8").splitlines():
         if row := _ROW.fullmatch(line):
@@ -69,7 +70,7 @@ def contents() -> dict[str, _Page]:
 
 
 def for_terminal(text: str) -> str:
-    """Markdown of a page with links as commands, pictures as files, equations without LaTeX.
+    """Return a page with links as commands, pictures as paths, equations without LaTeX.
 
     >>> for_terminal("$F_{zf}$ of [a ramp](ramp.md#the-drive)")
     'F_zf of a ramp (`brake-cal manual ramp`)'
@@ -78,6 +79,7 @@ def for_terminal(text: str) -> str:
 
 
 def _shown(piece: re.Match[str]) -> str:
+    """Return what a terminal shows in place of a `_PIECE`."""
     if piece["equation"]:
         return "".join(f"\n    {_plain(line)}" for line in piece["equation"].splitlines()) + "\n"
     if piece["symbol"]:
@@ -90,7 +92,7 @@ def _shown(piece: re.Match[str]) -> str:
 
 
 def _plain(latex: str) -> str:
-    r"""An equation without LaTeX.
+    r"""Return an equation without LaTeX.
 
     >>> _plain(r"\eta = \frac{1 - \lambda_r}{1 - \lambda_f} \tag{22}")
     'eta = (1 - lambda_r)/(1 - lambda_f)       (22)'

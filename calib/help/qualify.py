@@ -1,8 +1,8 @@
-"""Whether this installation computes what it should: a few numbers against truths from elsewhere.
+"""Whether this installation computes right numbers: checks against truths from elsewhere.
 
-`checks.csv` has the numbers. A truth is a closed form that uses no code of `calib`, the pads of
-Section IV of the paper, or what the plant of another program was given that made a sample log; a
-tolerance of pads or torque is that of the default limits of `validate`.
+`checks.csv` has the checks. A truth is a closed form that uses no code of `calib`, the pads of
+Section IV of the paper, or an input of the other program that simulated a sample log. The tolerance
+of pads and torque is that of the default limits of `validate`.
 """
 
 import math
@@ -29,29 +29,33 @@ _SIMULATED, _BODY, _HIDDEN = "simulation_study", "third_party", "hidden/case_0"
 
 
 def _log(path: str) -> Log:
+    """Return a sample log."""
     return read_log(sample_logs() / path)
 
 
 def _car(folder: str) -> Vehicle:
+    """Return the vehicle of a folder of the sample logs."""
     from calib.car.vehicle_file import read_vehicle
 
     return read_vehicle(sample_logs() / folder / "vehicle.toml")
 
 
 def _formulas() -> tuple[float, ...]:
+    """Return a brake torque [N m] and an axle load [N] of the car of Section IV."""
     car = _car(_SIMULATED)
     torque = forces.brake_torque(car.front, 0.4, np.array([50e5]))
     return float(torque[0]), float(forces.axle_loads(car, np.array([0.5]))[0][0])
 
 
 def _pads() -> tuple[float, ...]:
+    """Return the front and rear pad friction that a ramp of Section IV gives [1]."""
     table = fit(_car(_SIMULATED), [_log(f"{_SIMULATED}/ramp_noisy.parquet")])
     pads = table.calibration
     return pads.pad_friction_f.value, pads.pad_friction_r.value
 
 
 def _stops() -> tuple[float, ...]:
-    """Pads and torque of a multi-body car in two stops."""
+    """Return pad friction in one stop of a multi-body car, and the torque error in another [1]."""
     table = fit(_car(_BODY), [_log(f"{_BODY}/cal_ramp.parquet")])
     steps = validate(table, [_log(f"{_BODY}/hold2_steps_muf25_mur33.parquet")])[0].estimate
     pads = (steps.best.pads_f, steps.best.pads_r)
@@ -64,7 +68,7 @@ def _stops() -> tuple[float, ...]:
 
 
 def _cause() -> tuple[float, ...]:
-    """Whether the hidden cause is named, and its size, from two logs and a hold-out."""
+    """Return 1 if only the hidden drag is named, and the drag area that is found [m^2]."""
     logs = [_log(f"{_HIDDEN}/calibration/{name}.parquet") for name in ("ramp", "coast")]
     diagnosis = diagnose(_car(_HIDDEN), logs, [_log(f"{_HIDDEN}/holdout/stop_a.parquet")])
     (drag,) = diagnosis.effects
@@ -77,7 +81,7 @@ _Suite = Mapping[Callable[[], tuple[float, ...]], _Checks]
 
 
 def _checks(measure: str) -> _Checks:
-    """What must come out of a measure: ``expected`` +- ``tolerance`` above zero [``unit``]."""
+    """Return the checks of the numbers of a ``measure``, in their order."""
     return [
         {**row, "expected": float(row["expected"]), "tolerance": float(row["tolerance"])}
         for row in rows("checks.csv", "calib.help")
@@ -91,15 +95,16 @@ SUITE: _Suite = {
     _stops: _checks("stops"),
     _cause: _checks("cause"),
 }
-"""What measures, and the checks of its numbers; in the order of the work."""
+"""The functions that measure, each with the checks of the numbers that it returns."""
 
 
 def qualify(
     suite: _Suite, date: str = "", advance: Callable[[], None] = lambda: None
 ) -> dict[str, Any]:
-    """`qualification.json` of a run at ``date`` [UTC, ISO 8601] on this machine.
+    """Measure and check all numbers; return the content of `qualification.json`.
 
-    ``advance`` is called after each measurement. Raises InputError without sample logs.
+    ``date`` is in UTC by ISO 8601. ``advance`` is called after each measurement. Raises InputError
+    without sample logs.
     """
     sample_logs()
     results: list[dict[str, Any]] = []
@@ -107,7 +112,7 @@ def qualify(
         values, wrong = (math.nan,) * len(checks), ""
         try:
             values = measure()
-        except Exception as error:  # a finding, which must not end the other checks
+        except Exception as error:  # an error fails its checks, and must not end the others
             wrong = f"{type(error).__name__}: {error}"
         for check, value in zip(checks, values, strict=True):
             finite = value if math.isfinite(value) else None
@@ -127,7 +132,7 @@ def qualify(
 
 
 def qualification_facts(document: dict[str, Any]) -> Facts:
-    """The document of `qualify` for a terminal and for a page."""
+    """Return the facts of a document of `qualify`."""
     checks = document["checks"]
     failed = [one["name"] for one in checks if not one["held"]]
     headline = f"{len(failed)} of {len(checks)} checks fail: {', '.join(failed)}."
