@@ -112,6 +112,7 @@ _BURST = 0.25  # a step shorter than this share of the mean step [1] lies within
 _BURSTS = 0.1
 """Largest share of steps within bursts [1]. A bus has some of them, since its frames wait for each
 other."""
+_FEWEST_BURSTS = 5  # long steps of samples that come in bursts; fewer are jumps of the clock
 _JUMPS = 0.3
 """Least share of a log [1] that a clock jumps over if its milliseconds have too many digits."""
 
@@ -157,6 +158,8 @@ def check_steps(time: Array, where: str, unit: str = "s") -> None:
             do="are its milliseconds written with more than three digits? export the time in s",
         )
     if np.mean(steps < _BURST * mean) > _BURSTS:
+        if np.count_nonzero(steps > mean) < _FEWEST_BURSTS:
+            raise _jump(time, where)
         long = float(np.median(steps[steps > mean]))
         raise LogError(
             f"samples come in bursts, every {_duration(long)}: their times are those at which an "
@@ -165,6 +168,40 @@ def check_steps(time: Array, where: str, unit: str = "s") -> None:
             expected="the time at which each was sent or measured",
             do="record with time stamps of the hardware, or lower the latency of the adapter",
         )
+
+
+def _jump(time: Array, where: str) -> LogError:
+    """The error of a clock that jumps once or a few times in a ``time`` [s] (n,)."""
+    steps = np.diff(time)
+    row = int(np.argmax(steps)) + 1
+    full, begun = time[row - 1] % 100.0, time[row] % 100.0
+    next_minute = full < 60.0 <= full + 2.0 * np.median(steps) and begun < 2.0 * np.median(steps)
+    packed = "if this is the time of day as hhmmss, convert it to seconds; "
+    return LogError(
+        f"the clock jumps by {steps[row - 1]:.6g} s in row {row + 1}",
+        where=f"{where}: time",
+        expected="times of one recording",
+        do=f"{packed * bool(next_minute)}cut the log there if two recordings were joined; if the "
+        "clock was set, as to summer time, subtract the jump from the rows after it",
+    )
+
+
+def _disorder(time: Array, row: int) -> tuple[str, str]:
+    """What is wrong with a time [s] (n,) that does not rise to ``row``, and what to do."""
+    steps, sorted_steps = np.diff(time), np.diff(np.sort(time))
+    usual = float(np.median(sorted_steps))
+    if np.all(steps < 0.0):
+        return "goes back", "give the time its sign again, or export it as time since the start"
+    if steps[row - 1] == 0.0:
+        if np.mean(steps == 0.0) > REPEATED:
+            return "does not increase", "export it with more digits, or with a clock that runs"
+        return "does not increase", "export again, or delete the repeated rows"
+    if np.all((sorted_steps > _BURST * usual) & (sorted_steps < GAP * usual)):
+        return "goes back", "sort the rows by time"
+    return "goes back", (
+        f"if its counter overflowed or its clock was set, add {usual - steps[row - 1]:.6f} s from "
+        "this row on; split runs whose time begins again"
+    )
 
 
 def _duration(seconds: float) -> str:
@@ -191,10 +228,7 @@ def check_increasing(time: Array, where: str) -> None:
     if wrong.size == 0:
         return
     row = int(wrong[0]) + 1
-    if time[row] < time[row - 1]:
-        flaw, do = "goes back", "sort the rows by time, or split runs whose time begins again"
-    else:
-        flaw, do = "does not increase", "export again, or delete the repeated rows"
+    flaw, do = _disorder(time, row)
     raise LogError(
         f"time {flaw} in row {row + 1}, to {time[row] - time[0]:.6f} s after "
         f"{time[row - 1] - time[0]:.6f} s since the start ({counted(wrong.size, 'such row')})",

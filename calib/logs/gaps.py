@@ -215,8 +215,9 @@ def complete_channels(
             flaw = f"{kind} value in {bad.size} of {values.size} rows, first in row {bad[0] + 1}"
             if name in CHANNELS and CHANNELS[name].required:
                 start = channels["time"][bad[0]] - channels["time"][0]
+                after = f", {start:.3f} s after the start" if np.isfinite(start) else ""
                 raise LogError(
-                    f"{flaw}, {start:.3f} s after the start",
+                    f"{flaw}{after}",
                     where=f"{where}: {name}",
                     expected="a finite value in every row",
                     do="export all channels on one clock, or cut the log before the gap: a gap is "

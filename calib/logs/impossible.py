@@ -139,7 +139,7 @@ def _impossible(time: Array, x: Array, possible: _Possible) -> Mask:
 def _unreachable(time: Array, x: Array, possible: _Possible) -> Mask:
     """Mask (n,) of the parts that cannot be reached from the longest part.
 
-    A part is marked if it begins with exact zeros that the channel cannot reach so fast, or above
+    A part is marked if it begins at or below zero, which the channel cannot reach so fast, or above
     what the channel can rise to. A part that begins lower is kept: slow messages show a wheel that
     begins to slip in one step.
     """
@@ -164,7 +164,7 @@ def _unreachable(time: Array, x: Array, possible: _Possible) -> Mask:
             begin, end = edges[part], edges[part + 1]
             near, far = (begin, end - 1) if is_later else (end - 1, begin)
             rise, to_zero = _largest_changes(np.abs(time[near] - time[last]), tolerance, possible)
-            if (x[near] == 0.0 and level > to_zero) or x[near] > level + rise:
+            if (x[near] <= 0.0 and level > to_zero) or x[near] > level + rise:
                 mask[begin:end] = True
                 continue
             # the level after a kept part, which may have slipped: what the car can have lost since

@@ -23,6 +23,7 @@ _RESISTED, _ROLLS = 0.04, 0.3
 """Largest deceleration of an unbraked car [g], and the time that shows it [s]."""
 _CUT = 0.85  # share of zeros [1]: a noisy pressure sensor that is cut at 0 has 2/3
 _PRESSED = 20e5  # pressure from which left and right sensor agree in proportion [Pa]
+_BEYOND_CARS = {"v": "v_beyond_cars", "omega": "wheel_beyond_cars", "a": "a_x_beyond_cars"}
 
 
 def channels(e: Evidence) -> Iterator[Measured]:
@@ -56,9 +57,9 @@ def sensors(e: Evidence) -> Iterator[Measured]:
             yield Measured("stuck", longest, words={**words, "times": times})
             yield Measured("end_of_range", sensor.saturated, words=words)
         yield Measured("saturated", sensor.saturated, words=words)
-        kind = {"v": "v_beyond_cars", "omega": "wheel_beyond_cars"}.get(name.split("_")[0])
-        if kind:
-            yield Measured(kind, max(sensor.high, sensor.low, key=abs), words=words)
+        code = _BEYOND_CARS.get(name.split("_")[0])
+        if code:
+            yield Measured(code, max(sensor.high, sensor.low, key=abs), words=words)
         if name.startswith("p_"):
             yield Measured("pressure_high", from_si(sensor.high, "bar", "Pa"), words=words)
             yield Measured("pressure_low", from_si(sensor.low, "bar", "Pa"), words=words)

@@ -43,7 +43,8 @@ _OF_LOG: tuple[Figure, ...] = (
 )
 """Figures of any log, each named as in the rules."""
 _OF_MOTION: tuple[Figure, ...] = (
-    *(wheels.wheel_sign, driving.driving, driving.use, wheels.wheels, wheels.radii),
+    *(wheels.wheel_sign, driving.driving, driving.use, wheels.a_x_follows),
+    *(wheels.wheels, wheels.radii),
     *(channels.at_rest, channels.pressure, channels.speed, channels.held_values),
 )
 """Those that need a_x and the wheel speeds."""

@@ -22,6 +22,7 @@ from calib.plausibility.speed_mistakes import CLOCK, SpeedMistake, speed_mistake
 from calib.run.blocks import Blocks
 from calib.run.driving_record import GREATEST_Z, NOMINAL_RADIUS, SETTLE
 from calib.run.exchanged_wheels import crossed_side
+from calib.run.filters import centred_mean, samples_in
 from calib.run.resistance import identify
 
 _SPEEDS = {"m/s": 1.0, "km/h": 1.0 / 3.6, "mph": 0.44704}  # units that are confused [m/s]
@@ -32,6 +33,7 @@ _STIFFEST = 60.0  # slip stiffness over load above that of any tyre [1]
 _ROLLED, _OTHER_SLOPE, _RADIUS = 0.5, 0.003, 0.01
 """Least rolling [s] for zero and slope of a_x; sigma of a later change of the slope [1], and of the
 radii of a vehicle file [1]."""
+_SLOWS = 0.25  # change of the slowing of the wheels with which a_x is compared [g]
 _MOST_OF_IT = 0.4  # share of the difference of v and wheels that a_x must confirm [1]
 _BRAKED = 0.05  # deceleration [1] from which slip is seen
 _MADE_OF = {"front": (1.0, 0.0), "rear": (0.0, 1.0), "four": (0.5, 0.5)}
@@ -69,6 +71,16 @@ def wheels(e: Evidence) -> Iterator[Measured]:
     if (eta := axles.eta_braked) is not None:
         rise = -eta.value if e.run.alone == "r" else eta.value
         yield Measured("axles_swapped", rise, eta.half, words=_sides(e.run.alone))
+
+
+def a_x_follows(e: Evidence) -> Iterator[Measured]:
+    """Correlation of a_x with the slowing of the wheels before any slips deeply, its size [1]."""
+    driving, slipping = e.run.driving, e.run.slipping
+    use = driving.moving & (driving.time < (slipping.first if slipping else np.inf))
+    width = samples_in(LIMITS.slope_time, driving.step) | 1
+    z, wheel_z = (centred_mean(x, width)[use] for x in (driving.z, driving.wheel_z))
+    if z.size > 1 and np.ptp(wheel_z) > _SLOWS and np.ptp(z) > 0.0:
+        yield Measured("a_x_foreign", abs(float(np.corrcoef(z, wheel_z)[0, 1])))
 
 
 def _against_v(axle: str, mistakes: Sequence[SpeedMistake]) -> Measured:

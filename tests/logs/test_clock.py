@@ -77,12 +77,35 @@ def four_digits(t):
 HANDED_OUT = np.ceil(RUN.time / 0.016) * 0.016
 BURSTS = HANDED_OUT + 1.2e-4 * np.append(0, np.diff(HANDED_OUT) == 0.0)
 
+ROWS = np.concatenate([np.r_[:100], np.r_[120:140], np.r_[100:120], np.r_[140 : RUN.time.size]])
+OUT_OF_ORDER = RUN.time[ROWS]
+
+
+def hhmmss(t):
+    """Time of day [s] packed into one number, as a VBO file has it."""
+    return f"{t // 3600.0 * 10000.0 + t // 60.0 % 60.0 * 100.0 + t % 60.0:.3f}"
+
+
 REFUSED = {
     "ms that are s": ([f"{t:.3f}" for t in RUN.time], "time [ms]", "in s, not ms"),
     "s that are ms": ([f"{1e3 * t:.0f}" for t in RUN.time], "time [s]", "in ms, not s"),
     "four digits": ([four_digits(t) for t in RUN.time + 1e-6], "time [s]", "digits"),
     "bursts": ([f"{t:.5f}" for t in BURSTS], "time [s]", "adapter"),
-}
+    "a clock that is set forward": (
+        [f"{t + 3600.0 * (t > 3.0):.3f}" for t in RUN.time], "time [s]", "jumps by 3600.01 s",
+    ),
+    "hhmmss": ([hhmmss(35997.0 + t) for t in RUN.time], "time [s]", "hhmmss"),
+    "a clock that is set back": (
+        [f"{t + 3600.0 * (t < 3.0):.3f}" for t in RUN.time], "time [s]", "add 3600.000000 s",
+    ),
+    "a counter of 32 bits": (
+        [f"{(4.294e9 + 1e6 * t) % 2**32:.0f}" for t in RUN.time], "time [us]", "add 4294.967296 s",
+    ),
+    "rows out of order": ([f"{t:.3f}" for t in OUT_OF_ORDER], "time [s]", "sort the rows"),
+    "a time that falls": ([f"{1e5 - t:.3f}" for t in RUN.time], "time [s]", "sign"),
+    "too few digits": ([f"{t:.1f}" for t in RUN.time], "time [s]", "more digits"),
+    "a time that stands": (["0.000"] * RUN.time.size, "time [s]", "clock that runs"),
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("kind", REFUSED)

@@ -31,6 +31,7 @@ def spoiled(names, value, first, count, rate=100.0):
     [
         (["omega_rl"], 0.0),
         (["omega_rl"], 327.675),  # 0xFFFF by 0.005 rad/s
+        (["omega_rl"], -60.6),  # the raw 0 of a fault with the offset of -67.67 km/h of the signal
         (["omega_fr"], 511.97),  # 0x3FFF by 1/32
         (OMEGAS, 0.0),
         (EVERY, 0.0),

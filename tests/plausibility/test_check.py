@@ -114,6 +114,11 @@ SPOILED = {
     "sign": (changed(RAMP, a_x=-RAMP["a_x"]), "validate", "a_x_sign"),
     "a_x in g": (changed(RAMP, a_x=RAMP["a_x"] / G), "validate", "a_x_unit"),
     "a_x by g": (changed(RAMP, a_x=RAMP["a_x"] * G), "validate", "a_x_unit"),
+    "a_x unsigned": (changed(RAMP, a_x=np.mod(RAMP["a_x"], 655.36)), "validate", "a_x_beyond_cars"),
+    "a_x of another axis": (
+        changed(RAMP, a_x=np.random.default_rng(1).normal(0.0, 0.15, RAMP.time.size)),
+        "validate", "a_x_foreign",
+    ),
     "abs": (with_slip(RAMP, ["fl"], 4.0, 0.4, 0.3), "fit", "abs_in_ramp"),
     "locked": (changed(RAMP, omega_rl=np.where(RAMP.time > 4.0, 0.0, RAMP["omega_rl"])), "fit",
                "locked_in_ramp"),
