@@ -18,9 +18,7 @@ from calib.logs.log import Log
 from calib.run.run import Run
 from calib.table.table import Table
 
-DOCUMENT = "plan.json"
-"""File name of a plan in a folder."""
-
+DOCUMENT = "plan.json"  # file name of a plan in a folder
 _WIDER = 1.15  # half width over the planned one [1] above which it is missed: plans err by 15 %
 _SHORT = 0.9  # end of a ramp over the planned end [1] below which the ramp ended early
 

@@ -30,9 +30,7 @@ from calib.model.simulate import simulate
 LEAD_IN, HOLD, RELEASE = 3.0, 1.0, 0.5
 """Times of a ramp [s]. A fit zeroes eta over the last 3 s before the bite."""
 
-RATE = 100.0
-"""Samples per second of a planned run. A fit takes means over blocks of 50 ms or more."""
-
+RATE = 100.0  # samples per second of a run; a fit takes means over blocks of 50 ms or more
 _SLOWEST = 5.0  # least speed at the end of a rise [m/s]: a fit leaves out slower blocks
 
 

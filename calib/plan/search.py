@@ -23,15 +23,12 @@ from calib.plan.achieved import HalfWidths
 from calib.plan.expected import Prior, before_any_run, cars, half_widths
 from calib.plan.measure import Measure, drive, measures
 
-SEED = 20
-"""Seed of the noise of a plan: the same question has the same plan."""
-
+SEED = 20  # seed of the noise of a plan: the same question has the same plan
 _CARS = 3  # cars of a median, each with its own noise
 _TURN = 20.0  # time to turn and to come back up to speed before another run [s]
 _WORTH = 0.02  # gain below which a measure is not worth its time [1]: 2 % of one width
 
-_Sequence = tuple[Measure, ...]
-"""Measures in the order in which they are done."""
+_Sequence = tuple[Measure, ...]  # measures in the order in which they are done
 
 
 class Want(NamedTuple):

@@ -141,8 +141,7 @@ def effect_figures(table: Table) -> Iterator[_EffectFigure]:
             yield _EffectFigure(effect, name, value, unit, (low, high))
 
 
-ListedVersion = dict[str, Any]
-"""A version in the document of `tables list`."""
+ListedVersion = dict[str, Any]  # a version in the document of `tables list`
 
 
 def row_of(entry: StoreEntry) -> ListedVersion:

@@ -25,9 +25,7 @@ _FALSE_SHARE = 0.03
 _REASON_P = 0.01
 """p times the number of metrics, up to which a further metric of an outlier is a reason, too."""
 
-FEWEST = 8
-"""Fewest cars for a spread that can name outliers."""
-
+FEWEST = 8  # fewest cars for a spread that can name outliers
 _CENSORED = 0.1  # share of the cars of a side that is censored: the outermost
 _FREEDOM = np.array([1e6, 8.0, 4.0, 2.5])
 """Degrees of freedom of four Student distributions; the first is nearly the normal one."""

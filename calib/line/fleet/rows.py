@@ -74,9 +74,7 @@ def _columns(*names: str, unit: str = "1", kind: type = float) -> tuple[Column, 
     return tuple(Column(name, unit, kind) for name in names)
 
 
-HEAD = _columns("log", "digest", "status", "error", kind=str)
-"""The first columns of every command."""
-
+HEAD = _columns("log", "digest", "status", "error", kind=str)  # the first columns of every command
 _WARNED = _columns("warned", kind=str)  # codes of the warnings of a log; null without a warning
 
 QUALITY = (

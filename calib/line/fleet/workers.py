@@ -106,8 +106,7 @@ class Cluster:
             self._client.close()
 
 
-Executor = Pool | Cluster
-"""What a batch computes with."""
+Executor = Pool | Cluster  # what a batch computes with
 
 
 def _pass_on(rows: Future[Rows], dask_future: Any) -> None:

@@ -38,8 +38,7 @@ from numpy.typing import NDArray
 
 from calib.base.arrays import Array
 
-Codes = NDArray[np.int64]
-"""Numbers, from 0, of the cars or of the stations of n readings, (n,)."""
+Codes = NDArray[np.int64]  # numbers, from 0, of the cars or of the stations of n readings, (n,)
 
 CAR, STATION, INTERACTION, REPEATABILITY = "car", "station", "car_by_station", "repeatability"
 REPRODUCIBILITY, GAUGE, TOTAL = "reproducibility", "gauge", "total"

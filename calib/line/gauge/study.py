@@ -67,8 +67,7 @@ class GaugeVerdict(StrEnum):
     NOT_JUDGED = "not judged"
 
 
-REFUSED = (GaugeVerdict.BAD, GaugeVerdict.ALIKE)
-"""The verdicts with which a metric does not pass."""
+REFUSED = (GaugeVerdict.BAD, GaugeVerdict.ALIKE)  # verdicts with which a metric does not pass
 
 
 @dataclass(frozen=True)

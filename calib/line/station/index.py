@@ -17,10 +17,8 @@ from calib.line.station.files import DOCUMENT, REFUSED
 
 INDEX, LIVE = "index.html", "live.html"
 """Names of the page, and of a copy of the page that reloads itself every few seconds."""
-UNREADABLE = "not readable"
-"""Verdict of a run whose station.json or refused.json is damaged."""
-NO_VERDICT = "refused"
-"""Verdict of a car that could not be judged."""
+UNREADABLE = "not readable"  # verdict of a run whose station.json or refused.json is damaged
+NO_VERDICT = "refused"  # verdict of a car that could not be judged
 
 
 @dataclass(frozen=True)
