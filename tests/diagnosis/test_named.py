@@ -30,32 +30,33 @@ def rivals():
     return [fitted(problem, (name,)) for name in NAMES]
 
 
-def refitted(rivals: list[Fit], made: Fit, run: ObservedRun) -> float:
-    """How much worse the second explains logs and a drive that the first ``made`` [sigma].
+def refitted(rivals: list[Fit], fit_made: Fit, run: ObservedRun) -> float:
+    """By how much the second rival explains logs and a drive worse than the first [sigma].
 
-    Both are fitted anew to logs and drive together; priors count.
+    The drive is a simulation by ``fit_made``. Both are fitted again to logs and drive together;
+    priors count.
     """
-    model = model_of(made.problem.vehicle, made.base, made.effects)
+    model = model_of(fit_made.problem.vehicle, fit_made.base, fit_made.effects)
     driven = simulate(model, run.time, run.p_mc, float(run.v[0]))
     if run.temperature_f is not None:
         n = driven.time.size
         heat = {"T_disc_f": run.temperature_f[:n], "T_disc_r": run.temperature_r[:n]}
         driven = replace(driven, channels=driven.channels | heat)
-    more = replace(made.problem, runs=(*made.problem.runs, run_of(driven)))
-    found = []
+    more = replace(fit_made.problem, runs=(*fit_made.problem.runs, run_of(driven)))
+    squares = []
     for at in rivals:
         random_effects = np.vstack([at.state.random_effects, np.zeros((1, len(RANDOM_EFFECTS)))])
-        anew = fit_logs(more, at.hypothesis, replace(at.state, random_effects=random_effects))
-        found.append(anew.squares)
-    return float(np.sqrt(found[1] - found[0]))
+        refit = fit_logs(more, at.hypothesis, replace(at.state, random_effects=random_effects))
+        squares.append(refit.squares)
+    return float(np.sqrt(squares[1] - squares[0]))
 
 
 def test_the_test_that_is_proposed_separates_most(rivals):
     one, other = rivals
     name, sigma = best_drive(one, other)
-    made = without_discrepancy(one)
+    fit_made = without_discrepancy(one)
     runs = [run for run in manoeuvres(one) if run.source == name or run.source.startswith("light")]
-    shown = {run.source: refitted(rivals, made, run) for run in runs}
+    shown = {run.source: refitted(rivals, fit_made, run) for run in runs}
     assert "coast" in name
     assert sigma > 10.0
     assert shown[name] > 0.8 * max(shown.values())

@@ -30,7 +30,7 @@ def solved(A, g, columns):
     return amounts, 0.5 * float(g[k] @ amounts - size)
 
 
-def every(A, g, size):
+def best_of_all(A, g, size):
     """The best gain of each set of names by all subsets of positive amounts."""
     best = {}
     for columns in combinations(range(g.size), size):
@@ -45,14 +45,14 @@ def every(A, g, size):
 
 @SEEDS
 def test_singles_and_pairs_are_the_best_of_all_subsets(seed):
-    A, g, of = drawn(seed)
-    found = _ranked(A - np.eye(g.size) / STRENGTH**2, g, of, 2)
+    A, g, names_of = drawn(seed)
+    ranked = _ranked(A - np.eye(g.size) / STRENGTH**2, g, names_of, 2)
     for size in (1, 2):
-        some = [one for one in found if len(one.columns) == size]
-        told = {frozenset(NAMES[k] for k in one.columns): one for one in some}
-        expected = every(A, g, size)
-        assert told.keys() == expected.keys()
-        for names, one in told.items():
-            assert one.log_gain == pytest.approx(expected[names][0], abs=1e-8)
-            assert sorted(one.columns) == list(expected[names][1])
-            assert one.amounts == pytest.approx(solved(A, g, one.columns)[0], abs=1e-8)
+        of_size = [subset for subset in ranked if len(subset.columns) == size]
+        best = {frozenset(NAMES[k] for k in subset.columns): subset for subset in of_size}
+        expected = best_of_all(A, g, size)
+        assert best.keys() == expected.keys()
+        for names, subset in best.items():
+            assert subset.log_gain == pytest.approx(expected[names][0], abs=1e-8)
+            assert sorted(subset.columns) == list(expected[names][1])
+            assert subset.amounts == pytest.approx(solved(A, g, subset.columns)[0], abs=1e-8)

@@ -56,9 +56,9 @@ def test_noise_that_is_slow_in_part_counts_as_it_is():
     """The coloured part of `add_noise`, 0.45 of the variance of a_x, as on a road."""
     time = np.arange(0.0, 20.0, 0.005)
     smooth = Log("road", "", "", {"time": time} | dict.fromkeys(CHANNELS, 0.0 * time))
-    found = [noises_of([add_noise(smooth, 4 * k + i) for i in range(4)])[0] for k in range(10)]
-    assert np.mean(found) == pytest.approx(0.055, rel=0.08)
-    assert np.std(found) < 0.1 * 0.055
+    noises = [noises_of([add_noise(smooth, 4 * k + i) for i in range(4)])[0] for k in range(10)]
+    assert np.mean(noises) == pytest.approx(0.055, rel=0.08)
+    assert np.std(noises) < 0.1 * 0.055
 
 
 def test_a_ripple_is_no_noise():
@@ -78,6 +78,6 @@ def test_the_noise_of_a_channel_is_that_of_its_values_however_seldom_they_are_se
     log = Log("bus", "", "", {"time": time} | noisy)
     sent = without_holds(chained(log, {"v": Message(20.0)}, rng))
     # between two values noise is averaged: to two thirds of its variance, on the mean
-    found = dict(zip(CHANNELS, noises_of([sent]), strict=True))
-    assert found["v"] == pytest.approx(np.sqrt(2.0 / 3.0) * NOISE, rel=0.2)
-    assert found["a_x"] == pytest.approx(NOISE, rel=0.1)
+    noises = dict(zip(CHANNELS, noises_of([sent]), strict=True))
+    assert noises["v"] == pytest.approx(np.sqrt(2.0 / 3.0) * NOISE, rel=0.2)
+    assert noises["a_x"] == pytest.approx(NOISE, rel=0.1)

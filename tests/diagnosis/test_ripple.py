@@ -61,16 +61,16 @@ def test_the_origins_of_the_runs_differ_as_their_first_angles_do(runs):
 def test_the_gap_of_a_ripple_shrinks_on_hold_outs(runs):
     name, logs = runs
     problem = asked(CAR, logs[:2])
-    kept = with_ripple_phase(CAR, [run_of(log) for log in logs[2:]], problem.noise)
-    held = HoldOuts(tuple(logs[2:]), replace(problem, runs=kept))
+    shifted = with_ripple_phase(CAR, [run_of(log) for log in logs[2:]], problem.noise)
+    holdouts = HoldOuts(tuple(logs[2:]), replace(problem, runs=shifted))
     base = fitted(problem)
-    after = replayed(held, fitted(problem, (name,)), base)
-    gap = gap_of(after.base_logs, after.logs, held.logs)
-    shown = "a_x" if name == "disc_thickness_variation" else "omega_fl"
-    first, last = gap.rms(channel=shown)
+    after = replayed(holdouts, fitted(problem, (name,)), base)
+    gap = gap_of(after.base_logs, after.logs, holdouts.logs)
+    channel = "a_x" if name == "disc_thickness_variation" else "omega_fl"
+    first, last = gap.rms(channel=channel)
     assert last < 0.5 * first
-    runs = tuple(replace(run, angle_f=run.angle_f + np.pi) for run in kept)
-    late = replace(held, problem=replace(problem, runs=runs))
-    lost = late.replays(after.simulated, after.random_effects)
+    runs = tuple(replace(run, angle_f=run.angle_f + np.pi) for run in shifted)
+    late = replace(holdouts, problem=replace(problem, runs=runs))
+    wrong_phase = late.replays(after.simulated, after.random_effects)
     # a wrong phase doubles the ripple
-    assert gap_of(after.base_logs, lost, held.logs).rms(channel=shown)[1] > 1.5 * first
+    assert gap_of(after.base_logs, wrong_phase, holdouts.logs).rms(channel=channel)[1] > 1.5 * first

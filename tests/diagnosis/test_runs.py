@@ -45,9 +45,9 @@ def named(case: HiddenCase, name: str) -> Log:
 def test_a_copy_of_a_calibration_log_is_no_hold_out(late):
     ramp = named(late, "ramp")
     copy = Log("mine", "mine.parquet", "", {n: x[200:] for n, x in ramp.channels.items()})
-    said = refused(late, list(late.calibration), [*late.holdout, copy])
-    assert said.startswith(f"mine.parquet: the same run as {ramp.source}")
-    assert "no hold-out and proves nothing" in said
+    message = refused(late, list(late.calibration), [*late.holdout, copy])
+    assert message.startswith(f"mine.parquet: the same run as {ramp.source}")
+    assert "no hold-out and proves nothing" in message
     assert "given twice" in refused(late, [*late.calibration, copy])
     assert "held out twice" in refused(
         late, list(late.calibration), [*late.holdout, changed(late.holdout[0])]
@@ -65,7 +65,7 @@ def test_a_motor_on_the_rear_axle_is_warned_of_where_it_is_not_named():
 
 def test_other_mistakes_in_one_log_are_refused_in_the_words_of_check(late):
     hot, radius = named(late, "hot"), late.vehicle.rear.rolling_radius
-    for change, said in (
+    for change, message in (
         (lambda log: changed(log, a_x=-log["a_x"]), "a_x_sign"),
         (lambda log: changed(log, p_mc=0.0 * log["p_mc"]), "stuck"),
         (lambda log: changed(log, v=radius * log["omega_rl"]), "v_of_wheels"),
@@ -73,22 +73,22 @@ def test_other_mistakes_in_one_log_are_refused_in_the_words_of_check(late):
     ):
         text = refused(late, with_(late, "hot", change))
         assert text.startswith(f"{hot.source}: ")
-        assert said in text
+        assert message in text
 
 
 def test_a_pressure_of_another_run_is_refused(late):
     other = named(late, "release")["p_mc"]
-    at = np.arange(named(late, "hot").time.size)
-    taken = other[np.minimum(at, other.size - 1)]
-    said = refused(late, with_(late, "hot", lambda log: changed(log, p_mc=taken)))
-    assert "pressure_foreign" in said or "pressure_late" in said
+    index = np.arange(named(late, "hot").time.size)
+    pressure = other[np.minimum(index, other.size - 1)]
+    message = refused(late, with_(late, "hot", lambda log: changed(log, p_mc=pressure)))
+    assert "pressure_foreign" in message or "pressure_late" in message
 
 
 def test_a_zero_of_the_pressure_is_warned_of_whatever_was_found(late):
     logs = with_(late, "hot", lambda log: changed(log, p_mc=log["p_mc"] + 0.8e5))
     warnings = checked(late.vehicle, logs, list(late.holdout))
-    kept = unexplained_warnings(warnings, unexplained=False, grouped=False)
-    assert [(one.code, one.log) for one in kept] == [("pressure_zero", "hot")]
+    remaining = unexplained_warnings(warnings, unexplained=False, grouped=False)
+    assert [(one.code, one.log) for one in remaining] == [("pressure_zero", "hot")]
 
 
 def test_clean_logs_are_not_complained_of():
@@ -105,8 +105,8 @@ def test_swapped_axles_are_refused_by_the_logs_in_which_they_show(every):
     logs = [swapped(log) for log in case.calibration] if every else list(case.calibration)
     with pytest.raises(LogError, match="axles_swapped") as error:
         diagnose(case.vehicle, logs, [swapped(log) for log in case.holdout])
-    told = {"mixed.csv", "ramp.csv", "hot.csv"} if every else {"mixed.csv"}
-    assert set(str(error.value.where).split(", ")) == told
+    expected = {"mixed.csv", "ramp.csv", "hot.csv"} if every else {"mixed.csv"}
+    assert set(str(error.value.where).split(", ")) == expected
 
 
 @pytest.mark.slow

@@ -49,11 +49,11 @@ def test_a_known_effect_is_named_only_where_its_size_is_wrong(share, names):
     area = case.hidden.drag_area
     known = Effects({"aerodynamic_drag": {"drag_area": share * area}})
     car = replace(case.vehicle.with_radii(1.003), effects=known)
-    found = search_of(replace(case, vehicle=car)).best
-    assert found.names == names
-    told = found.effects.parameters["aerodynamic_drag"]["drag_area"]
-    assert told == pytest.approx(area, rel=0.03)
-    assert found.base.radius == pytest.approx(1.0 / 1.003, abs=2e-4)
+    best = search_of(replace(case, vehicle=car)).best
+    assert best.names == names
+    estimate = best.effects.parameters["aerodynamic_drag"]["drag_area"]
+    assert estimate == pytest.approx(area, rel=0.03)
+    assert best.base.radius == pytest.approx(1.0 / 1.003, abs=2e-4)
 
 
 HEATS = {(60.0, 60.0): 18, (300.0, 140.0): 22, (380.0, 240.0): 34}
@@ -75,13 +75,13 @@ def hot_stops() -> list[Log]:
 
 def test_discs_that_begin_unlike_are_told_by_their_fade(hot_stops):
     problem, fade = asked(SEDAN, hot_stops), ("pad_thermal_fade",)
-    found = fitted(problem, fade, ["heat"])
-    assert found.log_evidence > 100.0 + fitted(problem, fade).log_evidence
+    best = fitted(problem, fade, ["heat"])
+    assert best.log_evidence > 100.0 + fitted(problem, fade).log_evidence
     # heats and onset count from each other alone, so what is above the onset is compared
-    told = found.effects.parameters["pad_thermal_fade"]
-    assert told["fade_slope"] == pytest.approx(0.0012, rel=0.05)
+    parameters = best.effects.parameters["pad_thermal_fade"]
+    assert parameters["fade_slope"] == pytest.approx(0.0012, rel=0.05)
     # pads repeat to 2 %, which is 17 K of such a fade
-    above = np.array([run.start_heat for run in found.runs]) - told["fade_onset"]
+    above = np.array([run.start_heat for run in best.runs]) - parameters["fade_onset"]
     assert above[1:] == pytest.approx(np.array(list(HEATS))[1:] - 150.0, abs=50.0)
 
 

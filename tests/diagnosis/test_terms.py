@@ -27,8 +27,8 @@ RUNS = {
 """Begin [s], rise [Pa/s], top [Pa] of the pressure, and speed [m/s]."""
 
 
-def found(term: EmpiricalTerm) -> Fit:
-    """The best explanation with a term, of runs that hide one."""
+def best_with(term: EmpiricalTerm) -> Fit:
+    """The best fit with a term, to simulated runs that hide ``term``."""
     model = replace(calib.default_model(SEDAN), effects=Effects(terms=(term,)))
     logs = []
     for name, (begin, rise, top, speed) in RUNS.items():
@@ -44,11 +44,11 @@ def found(term: EmpiricalTerm) -> Fit:
 
 def test_pads_of_one_axle_that_depend_on_the_speed():
     hidden = EmpiricalTerm("rear_brakes", "speed", (5.0, 15.0, 25.0, 35.0), (0.0, -0.15, 0.1, 0.1))
-    best = found(hidden)
-    (told,) = best.effects.terms
-    assert (told.place, told.driver) == (hidden.place, hidden.driver)
-    v = np.array(told.knots)
-    friction = best.base.pad_friction_r * (1.0 + np.array(told.values))
+    best = best_with(hidden)
+    (term,) = best.effects.terms
+    assert (term.place, term.driver) == (hidden.place, hidden.driver)
+    v = np.array(term.knots)
+    friction = best.base.pad_friction_r * (1.0 + np.array(term.values))
     true = SEDAN.rear.pad_friction * (1.0 + np.interp(v, hidden.knots, hidden.values))
     assert friction == pytest.approx(true, rel=0.03)
     assert best.base.pad_friction_f == pytest.approx(SEDAN.front.pad_friction, rel=0.02)
@@ -58,8 +58,8 @@ def test_pads_of_one_axle_that_depend_on_the_speed():
 def test_what_depends_on_the_pressure_in_front_is_put_there():
     """A torque on the pads or on the wheels: no log tells these apart."""
     hidden = EmpiricalTerm("front_brakes", "pressure", (0.0, 5e5, 15e5, 4e6), (0.0, -0.2, 0.0, 0.1))
-    (told,) = found(hidden).effects.terms
-    assert (PLACES[told.place], told.driver) == ("front", "pressure")
+    (term,) = best_with(hidden).effects.terms
+    assert (PLACES[term.place], term.driver) == ("front", "pressure")
 
 
 def test_the_precision_of_a_walk_is_that_of_its_increments():

@@ -30,36 +30,36 @@ RAMP_TIME = np.arange(0.0, 6.0, 0.01)
 SIZES = {"slope": 0.02, "zero": 0.2}
 
 
-def offset_logs(kind: str, shares: list[float], first: int = 0):
+def offset_logs(group: str, shares: list[float], first: int = 0):
     """Ramps of the sedan, each on a slope or with a zero of a_x of its own, by the simulation."""
     p, logs = np.clip(10e5 * (RAMP_TIME - 2.0), 0.0, 25e5), []
     for i, share in enumerate(shares, first):
-        size = share * SIZES[kind]
+        size = share * SIZES[group]
         effects = {"road_grade": {"grade": size, "felt": 1.0}, "accelerometer_bias": {"bias": size}}
-        name = "road_grade" if kind == "slope" else "accelerometer_bias"
+        name = "road_grade" if group == "slope" else "accelerometer_bias"
         model = replace(calib.default_model(SEDAN), effects=Effects({name: effects[name]}))
         logs.append(add_noise(calib.simulate(model, RAMP_TIME, p, 30.0, name=f"ramp {i}"), i))
     return logs
 
 
-@pytest.mark.parametrize("kind", list(SIZES))
-def test_each_log_has_its_own_slope_or_zero_and_hold_outs_are_replayed_with_theirs(kind):
+@pytest.mark.parametrize("group", list(SIZES))
+def test_each_log_has_its_own_slope_or_zero_and_hold_outs_are_replayed_with_theirs(group):
     known, held = [0.0, 1.0, -0.5], [0.7, -1.0]
-    problem = asked(SEDAN, offset_logs(kind, known))
-    logs = offset_logs(kind, held, 7)
-    kept = replace(problem, runs=tuple(run_of(log) for log in logs))
-    at = fitted(problem, groups=[kind])
-    place = RANDOM_EFFECTS.index(kind)
+    problem = asked(SEDAN, offset_logs(group, known))
+    logs = offset_logs(group, held, 7)
+    held_problem = replace(problem, runs=tuple(run_of(log) for log in logs))
+    fit = fitted(problem, groups=[group])
+    place = RANDOM_EFFECTS.index(group)
     # four standard deviations of a difference of two, of what a log says of it beside its pads
-    N = at.random_columns(0)[[0, 1, 2, place]] * at.hypothesis.sigmas[[0, 1, 2, place], None]
-    sd = np.sqrt(np.linalg.inv(np.eye(4) + N @ N.T)[3, 3]) * at.hypothesis.sigmas[place]
+    N = fit.random_columns(0)[[0, 1, 2, place]] * fit.hypothesis.sigmas[[0, 1, 2, place], None]
+    sd = np.sqrt(np.linalg.inv(np.eye(4) + N @ N.T)[3, 3]) * fit.hypothesis.sigmas[place]
     within = 4.0 * np.sqrt(2.0) * float(sd)
-    found = at.state.random_effects[:, place]
-    assert found - found[0] == pytest.approx(SIZES[kind] * np.array(known), abs=within)
-    placed_at = placed(kept, at)[:, place]
-    assert placed_at - found[0] == pytest.approx(SIZES[kind] * np.array(held), abs=within)
-    proof, base = HoldOuts(tuple(logs), kept), fitted(problem)
-    after, plain = replayed(proof, at, base), replayed(proof, base, base)
+    result = fit.state.random_effects[:, place]
+    assert result - result[0] == pytest.approx(SIZES[group] * np.array(known), abs=within)
+    placed_at = placed(held_problem, fit)[:, place]
+    assert placed_at - result[0] == pytest.approx(SIZES[group] * np.array(held), abs=within)
+    held_logs, base = HoldOuts(tuple(logs), held_problem), fitted(problem)
+    after, plain = replayed(held_logs, fit, base), replayed(held_logs, base, base)
     assert gap_of(plain.logs, after.logs, logs).closed > 0.5
     assert not np.any(plain.random_effects[:, place])
     assert not np.any(plain.simulated.state.discrepancy)
@@ -78,12 +78,12 @@ def test_an_effect_that_makes_the_hold_outs_worse_is_withdrawn(drag_in_calibrati
     search = drag_in_calibration_alone
     assert ("aerodynamic_drag",) in search.withdrawn.values()
     assert search.best.names == ()
-    found = verdict_of(search)
-    assert (found.word, found.best.names) == (UNKNOWN, ())
+    result = verdict_of(search)
+    assert (result.word, result.best.names) == (UNKNOWN, ())
     # what the calibration logs have and no effect may explain is told with its driver
-    assert found.term.effects.terms[0].place == "body"
-    assert found.term.effects.terms[0].driver == "speed"
-    assert found.term.mean_square < 1.1 < search.base.mean_square
+    assert result.term.effects.terms[0].place == "body"
+    assert result.term.effects.terms[0].driver == "speed"
+    assert result.term.mean_square < 1.1 < search.base.mean_square
 
 
 FEW = ("ramp", "release", "coast", "step_high")
@@ -94,52 +94,54 @@ def hiding(name: str, seed: int, severity: int = 2, only: tuple[str, ...] = FEW)
 
 
 def test_what_turns_with_the_front_wheels_is_told_by_their_angle():
-    found = left_in(hiding("tone_ring_runout", 31, only=FEW[:3]))
-    assert found.driver == WHEEL_ANGLE
-    assert found.axle == "front"
-    assert 0.5 < found.turning <= 1.0
+    result = left_in(hiding("tone_ring_runout", 31, only=FEW[:3]))
+    assert result.driver == WHEEL_ANGLE
+    assert result.axle == "front"
+    assert 0.5 < result.turning <= 1.0
 
 
 def test_a_wheel_that_always_drags_depends_on_nothing_whatever_the_last_digits():
     """With secant updates two of five said pressure instead of constant."""
-    found = left_in(moved(hiding("seized_wheel", 32, only=("ramp", "coast")), 1))
-    assert (found.place, found.driver) == ("rear_wheels", "constant")
-    assert found.wheel is not None
-    assert found.wheel.startswith("rear_")
-    assert found.turning < 0.05
+    result = left_in(moved(hiding("seized_wheel", 32, only=("ramp", "coast")), 1))
+    assert (result.place, result.driver) == ("rear_wheels", "constant")
+    assert result.wheel is not None
+    assert result.wheel.startswith("rear_")
+    assert result.turning < 0.05
 
 
 @pytest.mark.slow
 def test_liquid_that_swings_in_a_tank_is_told_by_its_frequency():
-    found = left_in(case := hiding("tank_slosh", 35))
-    assert (found.axle, found.driver) == ("body", "frequency")
+    result = left_in(case := hiding("tank_slosh", 35))
+    assert (result.axle, result.driver) == ("body", "frequency")
     # a mass on a spring, beside a car that it moves with
     mass, natural = case.hidden.slosh_mass, case.hidden.slosh_frequency
-    assert found.oscillation.frequency == pytest.approx(natural / np.sqrt(1.0 - mass), rel=0.1)
-    assert found.oscillation.share > 0.5
+    assert result.oscillation.frequency == pytest.approx(natural / np.sqrt(1.0 - mass), rel=0.1)
+    assert result.oscillation.share > 0.5
 
 
 @pytest.mark.slow
 def test_brakes_that_a_control_releases_go_with_the_slip():
-    found = left_in(hiding("abs_modulation", 36, severity=1, only=("ramp", "coast", "step_high")))
-    assert (found.axle, found.driver) == ("front", "slip")
+    result = left_in(hiding("abs_modulation", 36, severity=1, only=("ramp", "coast", "step_high")))
+    assert (result.axle, result.driver) == ("front", "slip")
 
 
 @pytest.mark.slow
 def test_brakes_that_weaken_go_with_the_time_of_the_run():
     """Beside a run that begins hot, for discs heat with every application."""
-    found = left_in(hiding("weaker_applications", 33, only=(*FEW[:2], "hot")))
-    assert (found.axle, found.wheel) == ("both", None)
-    assert found.driver in ("elapsed", "distance")  # a run goes on over both
-    assert 0.5 < found.explained <= 1.0
+    result = left_in(hiding("weaker_applications", 33, only=(*FEW[:2], "hot")))
+    assert (result.axle, result.wheel) == ("both", None)
+    assert result.driver in ("elapsed", "distance")  # a run goes on over both
+    assert 0.5 < result.explained <= 1.0
 
 
-@pytest.mark.parametrize(("limit", "told"), [(14e5, 15e5), (30e5, None)])
-def test_a_torque_that_is_held_from_a_pressure_on_is_told(limit, told):
+@pytest.mark.parametrize(("limit", "expected"), [(14e5, 15e5), (30e5, None)])
+def test_a_torque_that_is_held_from_a_pressure_on_is_told(limit, expected):
     p = np.array([0.0, 1.5e5, 8e5, 15e5, 22e5, 29e5])
     factor = np.minimum(p, limit) / np.maximum(p, 1.0)
     values = tuple(np.where(p > 0.0, factor - 1.0, 0.0).tolist())
-    assert held_from(EmpiricalTerm("front_brakes", "pressure", tuple(p.tolist()), values)) == told
+    assert (
+        held_from(EmpiricalTerm("front_brakes", "pressure", tuple(p.tolist()), values)) == expected
+    )
     assert held_from(EmpiricalTerm("body", "pressure", tuple(p.tolist()), values)) is None
 
 

@@ -43,8 +43,8 @@ def run(demanded, *, seed=0, noise=0.005, speed=20.0):
     return s, forces
 
 
-def made(level=0.8, force=0.0, lag=0.0, shift=0.0, fade=0.0, rest=0.0):
-    """Demanded brake force [N] of brakes with what is stated."""
+def brake_force(level=0.8, force=0.0, lag=0.0, shift=0.0, fade=0.0, rest=0.0):
+    """Demanded brake force [N] with a force, lag or shift [s], fade [1/s] and ``rest`` [N]."""
     n = pedal(TIME - shift)
     n = first_order(TIME, n, lag) if lag else n
     return level * n * (1.0 - fade * TIME) + force * (pedal(TIME - shift) > 200.0) + rest
@@ -52,53 +52,53 @@ def made(level=0.8, force=0.0, lag=0.0, shift=0.0, fade=0.0, rest=0.0):
 
 @pytest.mark.parametrize("seed", range(2))
 def test_brakes_that_only_follow_the_pressure(seed):
-    answer = brake_response(*run(made(), seed=seed))
-    assert abs(answer.share) < 3.5 * answer.share_sigma
-    assert abs(answer.share) < 0.03
-    assert abs(answer.delay) < 0.01
+    response = brake_response(*run(brake_force(), seed=seed))
+    assert abs(response.share) < 3.5 * response.share_sigma
+    assert abs(response.share) < 0.03
+    assert abs(response.delay) < 0.01
 
 
 @pytest.mark.parametrize("force", [-500.0, 300.0, 800.0])
 def test_force_without_pressure(force):
-    answer = brake_response(*run(made(force=force)))
-    usual = np.median(made(force=force)[400:1200])
-    assert answer.share == pytest.approx(force / usual, abs=3.5 * answer.share_sigma)
-    assert answer.share_sigma * usual < 100.0
+    response = brake_response(*run(brake_force(force=force)))
+    usual = np.median(brake_force(force=force)[400:1200])
+    assert response.share == pytest.approx(force / usual, abs=3.5 * response.share_sigma)
+    assert response.share_sigma * usual < 100.0
 
 
 @pytest.mark.parametrize("shift", [-0.3, 0.1])
 def test_a_clock_that_is_off(shift):
-    answer = brake_response(*run(made(shift=shift)))
-    assert answer.delay == pytest.approx(shift, abs=0.01)
-    assert abs(answer.share) < 0.03
+    response = brake_response(*run(brake_force(shift=shift)))
+    assert response.delay == pytest.approx(shift, abs=0.01)
+    assert abs(response.share) < 0.03
 
 
 @pytest.mark.parametrize("lag", [0.06, 0.3])
 def test_a_hydraulic_lag(lag):
-    answer = brake_response(*run(made(lag=lag)))
-    assert answer.delay == pytest.approx(lag, abs=0.005 + 0.05 * lag)  # a slope tells the rest
-    assert abs(answer.share) < 0.03
+    response = brake_response(*run(brake_force(lag=lag)))
+    assert response.delay == pytest.approx(lag, abs=0.005 + 0.05 * lag)  # a slope tells the rest
+    assert abs(response.share) < 0.03
 
 
 def test_fade_and_a_bias_are_not_taken_for_force():
-    answer = brake_response(*run(made(fade=0.03, rest=0.03 * WEIGHT)))
-    assert abs(answer.share) < 0.03
+    response = brake_response(*run(brake_force(fade=0.03, rest=0.03 * WEIGHT)))
+    assert abs(response.share) < 0.03
 
 
 def stopping(force):
     """Brakes to 1 m/s, with a force besides [N] that goes from 3 m/s on; noise of z 0.005 g."""
     speed = np.maximum(22.0 - 4.3 * np.clip(TIME - 1.5, 0.0, None), 0.5)
     fades = force * np.clip(speed - 1.0, 0.0, 2.0) / 2.0 * (pedal(TIME) > 200.0)
-    return run(made() + fades, speed=speed)
+    return run(brake_force() + fades, speed=speed)
 
 
 @pytest.mark.parametrize("force", [0.0, 400.0, 800.0])
 def test_a_force_that_goes_as_the_car_gets_slow(force):
-    answer = brake_response(*stopping(force))
-    usual = np.median(made(force=force)[400:1200])
-    assert answer.fading_sigma < 0.03
-    assert answer.fading == pytest.approx(force / usual, abs=3.0 * answer.fading_sigma)
-    assert answer.share == pytest.approx(force / usual, abs=3.5 * answer.share_sigma)
+    response = brake_response(*stopping(force))
+    usual = np.median(brake_force(force=force)[400:1200])
+    assert response.fading_sigma < 0.03
+    assert response.fading == pytest.approx(force / usual, abs=3.0 * response.fading_sigma)
+    assert response.share == pytest.approx(force / usual, abs=3.5 * response.share_sigma)
 
 
 def test_brakes_that_follow_the_pressure_and_fade_with_the_speed_show_no_force_without_it():
@@ -106,20 +106,20 @@ def test_brakes_that_follow_the_pressure_and_fade_with_the_speed_show_no_force_w
     s, forces = stopping(0.0)
     speed = s.speed
     share = 0.15 * np.clip(speed - 1.0, 0.0, 2.0) / 2.0
-    along = BrakeBalance(
+    with_motor = BrakeBalance(
         forces.nominal_f,
         forces.nominal_r,
-        made_balance(forces.balance.demanded + share * made()),
+        made_balance(forces.balance.demanded + share * brake_force()),
         forces.active,
     )
-    answer = brake_response(s, along)
-    assert abs(answer.share) < 3.0 * answer.share_sigma
-    assert answer.fading == pytest.approx(0.15 / 1.15, abs=3.0 * answer.fading_sigma)
-    assert answer.fading > 4.0 * answer.fading_sigma
+    response = brake_response(s, with_motor)
+    assert abs(response.share) < 3.0 * response.share_sigma
+    assert response.fading == pytest.approx(0.15 / 1.15, abs=3.0 * response.fading_sigma)
+    assert response.fading > 4.0 * response.fading_sigma
 
 
 def test_nothing_is_said_of_a_run_without_braking():
-    s, forces = run(made())
+    s, forces = run(brake_force())
     none = np.zeros_like(forces.active)
     silent = BrakeBalance(forces.nominal_f, forces.nominal_r, forces.balance, none)
     assert brake_response(s, silent) is None

@@ -35,13 +35,13 @@ def held(x, period):
 def test_noise_that_is_held_keeps_its_values_where_they_came(period, phase, seed):
     noise = np.random.default_rng(seed).normal(size=2000)
     x = held(noise, period)[phase:]
-    found = straight(x)
+    straightened = straight(x)
     came = np.concatenate([[0], np.flatnonzero(np.diff(x)) + 1])
     assert _mean_period(x) == period
-    np.testing.assert_allclose(found[came], x[came])
+    np.testing.assert_allclose(straightened[came], x[came])
     middle = (came[1:-1] + came[2:]) / 2.0
     np.testing.assert_allclose(
-        np.interp(middle, np.arange(x.size), found), (x[came[1:-1]] + x[came[2:]]) / 2.0
+        np.interp(middle, np.arange(x.size), straightened), (x[came[1:-1]] + x[came[2:]]) / 2.0
     )
 
 
@@ -60,12 +60,12 @@ def test_messages_that_do_not_fall_on_the_samples_are_told():
     log = as_log(drive(IDEAL, lambda t: 30e5 * min(max(t - 1, 0), 1), 30.0, rate=200.0), "stop")
     sent = chained(log, {"v": Message(30.0)}, np.random.default_rng(3))
     assert _mean_period(sent["v"]) == pytest.approx(200.0 / 30.0, rel=0.02)
-    found = without_holds(sent)
-    n = found.time.size
+    straightened = without_holds(sent)
+    n = straightened.time.size
     assert log.time.size - n < 200.0 / 30.0 + 1.0  # nothing is known after the last value
-    assert found.interpolated == ("v",)
+    assert straightened.interpolated == ("v",)
     moving = log["v"][:n] > 3.0
-    error, held_error = found["v"] - log["v"][:n], sent["v"][:n] - log["v"][:n]
+    error, held_error = straightened["v"] - log["v"][:n], sent["v"][:n] - log["v"][:n]
     assert np.std(error[moving]) < 0.2 * np.std(held_error[moving])
 
 
@@ -90,6 +90,6 @@ def test_a_derivative_of_v_has_the_noise_of_v_and_no_other(width):
         )
     )
     derived[:shift], derived[-shift:] = derived[shift], derived[-shift - 1]
-    made = replace(log, channels={**log.channels, "a_x": derived})
-    assert dict(shares_of_speed(made))["v"] > 0.95
+    with_derivative = replace(log, channels={**log.channels, "a_x": derived})
+    assert dict(shares_of_speed(with_derivative))["v"] > 0.95
     assert max(share for _, share in shares_of_speed(log)) < 0.1

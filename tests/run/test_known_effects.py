@@ -55,8 +55,8 @@ def test_every_effect_comes_out_again(name):
         scale = float(np.max(log.truth[f"true_Tb_{w}"]))
         assert np.max(np.abs(torque - log.truth[f"true_Tb_{w}"])) < 2e-3 * scale
     # the acceleration is that of the speed, whatever the sensors read
-    gained = np.cumsum(0.5 * (ran.log["a_x"][1:] + ran.log["a_x"][:-1]) * np.diff(log.time))
-    assert np.max(np.abs(gained - (ran.log["v"][1:] - ran.log["v"][0]))) < 5e-3
+    speed_gain = np.cumsum(0.5 * (ran.log["a_x"][1:] + ran.log["a_x"][:-1]) * np.diff(log.time))
+    assert np.max(np.abs(speed_gain - (ran.log["v"][1:] - ran.log["v"][0]))) < 5e-3
     # and the forces balance with the car as driven
     total = sum(log.truth[f"true_Fx_{w}"] for w in WHEELS)
     body = ran.vehicle.weight * (-ran.log["a_x"] / G) - np.abs(total)
@@ -79,8 +79,8 @@ def test_a_channel_that_is_late_comes_out_as_without_the_delay(name, channel, mo
 def test_wheels_that_are_late_keep_their_slip_and_lose_the_delay(with_v):
     name = "wheel_speed_delay"
     late, right = driven({name: typical(name)}, wave), driven({}, wave)
-    kept = {k: x for k, x in late.channels.items() if with_v or k != "v"}
-    ran = remove_known_effects(known({name: typical(name)}), replace(late, channels=kept))
+    channels = {k: x for k, x in late.channels.items() if with_v or k != "v"}
+    ran = remove_known_effects(known({name: typical(name)}), replace(late, channels=channels))
     for w in WHEELS:
         turned = right[f"omega_{w}"] / right["v"]
         by_slip = 0.02 * np.gradient(turned, right.time) * right["v"]
@@ -118,14 +118,15 @@ def test_a_term_over_temperature_reads_the_discs_of_its_own_axle(place):
     log = _with_term(term, heat)
     ran = remove_known_effects(known({}, term), log)
     n = log.time.size
-    left = {"f": 0.9 if place != "rear_brakes" else 1.0, "r": 0.6 if place != "front_brakes" else 1}
+    front, rear = 0.9 if place != "rear_brakes" else 1.0, 0.6 if place != "front_brakes" else 1.0
+    factors = {"f": front, "r": rear}
     for w in WHEELS:
         wheel = axle(SEDAN, w)
         plain = forces.brake_torque(wheel, wheel.pad_friction, log["p_mc"])
-        assert log.truth[f"true_Tb_{w}"] == pytest.approx(left[w[0]] * plain)
-        assert ran.log[f"p_{w}"][:n] == pytest.approx(left[w[0]] * log["p_mc"])
-    assert ran.factor_f == pytest.approx(np.full(n, left["f"]))
-    assert ran.factor_r == pytest.approx(np.full(n, left["r"]))
+        assert log.truth[f"true_Tb_{w}"] == pytest.approx(factors[w[0]] * plain)
+        assert ran.log[f"p_{w}"][:n] == pytest.approx(factors[w[0]] * log["p_mc"])
+    assert ran.factor_f == pytest.approx(np.full(n, factors["f"]))
+    assert ran.factor_r == pytest.approx(np.full(n, factors["r"]))
 
 
 @pytest.mark.parametrize(

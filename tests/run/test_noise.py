@@ -41,11 +41,11 @@ def test_density_is_that_of_theory_as_far_as_it_says(share, window, reads):
     seconds, rng = 8, np.random.default_rng(8)
     t = 0.05 * np.arange(20 * seconds)
     companion = np.sin(5.0 * t) + np.sin(t / 3.0)
-    found = []
+    densities = []
     for _ in range(60):
         x = coloured(rng, 200 * seconds, share).reshape(-1, 10).mean(axis=1)
-        found.append(_long_run_density(x + 0.1 * t + 3.0 * companion, 0.05, companion, window))
-    assert np.mean(found) == pytest.approx(reads * theory(share), rel=0.1)
+        densities.append(_long_run_density(x + 0.1 * t + 3.0 * companion, 0.05, companion, window))
+    assert np.mean(densities) == pytest.approx(reads * theory(share), rel=0.1)
 
 
 @pytest.mark.parametrize("bite", [3.0, 3e3])
@@ -97,10 +97,10 @@ def weights(density, duration):
 
 
 def variance(w, density):
-    """Of the weighed mean about the last value, from white noise and the walk since each sample."""
+    """Variance of the weighed mean about the last value, by white noise and the walk since then."""
     share = w / w.sum()
     noise = density**2 / STEP * share @ share
-    older = np.cumsum(share)[:-1]  # what each step of the walk misses
+    older = np.cumsum(share)[:-1]  # weight of the samples before each step of the walk
     return noise + WALK**2 * STEP * older @ older
 
 

@@ -16,11 +16,11 @@ def test_a_held_pressure_loses_its_noise_and_a_rise_stays():
     rng = np.random.default_rng(1)
     t = np.arange(0.0, 5.0, 0.005)
     clean = 20e5 * np.clip((t - 1.0) / 0.2, 0.0, 1.0)
-    seen = as_pressed(clean + rng.normal(0.0, 1e4, t.size), 0.005)
-    held = t > 1.6
-    assert np.std((seen - clean)[held]) < 0.4e4
+    smooth = as_pressed(clean + rng.normal(0.0, 1e4, t.size), 0.005)
+    constant = t > 1.6
+    assert np.std((smooth - clean)[constant]) < 0.4e4
     rising = (t > 1.02) & (t < 1.18)
-    assert seen[rising] == pytest.approx(clean[rising], abs=5e4)
+    assert smooth[rising] == pytest.approx(clean[rising], abs=5e4)
 
 
 def test_the_noise_of_a_sensor_that_reads_nothing_below_nought_is_no_brake():
@@ -57,5 +57,5 @@ def test_a_corner_leaves_no_peak_that_a_caliper_would_hold(rise, seed):
 def test_a_foot_that_presses_too_far_stays():
     t, p = stop(0.2)
     over = np.where((t > 1.2) & (t < 1.5), 1e5 * np.sin(np.pi * (t - 1.2) / 0.3), 0.0)
-    seen = as_pressed(p + over + np.random.default_rng(7).normal(0.0, 0.5e4, t.size), 0.01)
-    assert np.max(seen) > p[-1] + 0.7e5
+    smooth = as_pressed(p + over + np.random.default_rng(7).normal(0.0, 0.5e4, t.size), 0.01)
+    assert np.max(smooth) > p[-1] + 0.7e5

@@ -10,7 +10,7 @@ from tests.support.hidden.cases import draw
 from tests.support.made_runs import changed, made_run, ramp, stop
 
 RUN = made_run(stop(level=20.0))
-KEPT = fingerprint_of(RUN)
+FINGERPRINT = fingerprint_of(RUN)
 STEPS = {"p_mc": 2e4, "a_x": 0.1, "v": 0.05}
 
 
@@ -27,7 +27,7 @@ def with_noise(seed):
     )
 
 
-def at(time, origin=0.0):
+def resampled(time, origin=0.0):
     """The run interpolated to other times; its clock begins at ``origin`` [s]."""
     channels = {name: np.interp(time, RUN.time, x) for name, x in RUN.channels.items()}
     return run_of(channels | {"time": time - time[0] + origin})
@@ -42,23 +42,23 @@ COPIES = {
     "another digest": lambda: run_of(RUN.channels),
     "rounded": rounded,
     "cut": lambda: run_of({n: x[200:-200] for n, x in RUN.channels.items()}),
-    "cut, with a clock of its own": lambda: at(RUN.time[200:]),
+    "cut, with a clock of its own": lambda: resampled(RUN.time[200:]),
     "every second sample": lambda: run_of({n: x[::2] for n, x in RUN.channels.items()}),
     "means of two": lambda: run_of(
         {n: x.reshape(-1, 2).mean(axis=1) for n, x in RUN.channels.items()}
     ),
-    "another rate": lambda: at(np.arange(0.0, 7.9, 1.0 / 70.0)),
-    "another rate and clock": lambda: at(np.arange(1.0032, 7.9, 1.0 / 70.0), 5.0),
-    "finer": lambda: at(np.arange(0.0, 7.9, 1e-3)),
+    "another rate": lambda: resampled(np.arange(0.0, 7.9, 1.0 / 70.0)),
+    "another rate and clock": lambda: resampled(np.arange(1.0032, 7.9, 1.0 / 70.0), 5.0),
+    "finer": lambda: resampled(np.arange(0.0, 7.9, 1e-3)),
 }
 
 
-@pytest.mark.parametrize("done", COPIES)
-def test_a_copy_is_known(done):
-    copy = COPIES[done]()
+@pytest.mark.parametrize("change", COPIES)
+def test_a_copy_is_known(change):
+    copy = COPIES[change]()
     assert same_run(RUN, copy)
     assert same_run(copy, RUN)
-    assert same_as(KEPT, copy)
+    assert same_as(FINGERPRINT, copy)
 
 
 @pytest.mark.parametrize(
@@ -82,18 +82,18 @@ def test_two_runs_are_two(other):
 def test_it_holds_the_means_to_a_quarter_of_their_noise():
     """Means of ten samples of white noise of 0.02 rad/s have a noise of 0.02/sqrt(10)."""
     x = RUN["omega_fl"]
-    between = 0.5 * (x[1:] + x[:-1])
-    means = between[: between.size // 10 * 10].reshape(-1, 10).mean(axis=1)
-    unit = next(c.unit for c in KEPT.channels if c.name == "omega_fl")
-    assert np.max(np.abs(KEPT.view["omega_fl"] - means)) < 0.51 * unit
+    midpoints = 0.5 * (x[1:] + x[:-1])
+    means = midpoints[: midpoints.size // 10 * 10].reshape(-1, 10).mean(axis=1)
+    unit = next(c.unit for c in FINGERPRINT.channels if c.name == "omega_fl")
+    assert np.max(np.abs(FINGERPRINT.view["omega_fl"] - means)) < 0.51 * unit
     assert 0.02 / np.sqrt(10.0) / 8.0 * 0.7 < unit < 0.02 / np.sqrt(10.0) / 4.0 * 1.3
 
 
 def test_channels_without_noise_have_one_too():
     still = made_run(stop(level=20.0), noise=0.0)
-    kept = fingerprint_of(changed(still, v=None))
-    assert kept.view["p_mc"].size == kept.view["a_x"].size
-    assert "v" not in kept.view
+    fingerprint = fingerprint_of(changed(still, v=None))
+    assert fingerprint.view["p_mc"].size == fingerprint.view["a_x"].size
+    assert "v" not in fingerprint.view
 
 
 @pytest.mark.slow

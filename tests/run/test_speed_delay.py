@@ -35,9 +35,9 @@ def delay_of(log):
 @pytest.mark.parametrize("delay", [0.1, 0.45])
 def test_a_late_speed_is_put_in_time(name, delay):
     log = RUNS[name]
-    found = delay_of(late(log, delay))
-    assert found.late
-    assert found.value == pytest.approx(delay, abs=max(3.0 * found.sigma, 0.01))
+    estimate = delay_of(late(log, delay))
+    assert estimate.late
+    assert estimate.value == pytest.approx(delay, abs=max(3.0 * estimate.sigma, 0.01))
     s = signals(late(log, delay), CAR.rear.rolling_radius)
     inner = (log.time > 0.5) & (log.time < log.time[-1] - 0.5)
     off = (s.v - log["v"])[inner]
@@ -64,8 +64,8 @@ def test_what_is_no_delay_is_left_alone(name, change):
 def test_what_is_not_sharp_is_not_used():
     """A slow ramp bends v at the bite by so little that a slope which changes may do it, too."""
     slow = late(noisy(ramp(REAL), 1), 0.2)
-    found = delay_of(slow)
-    assert found.late
-    assert not found.sharp
-    assert abs(found.value - 0.2) < 2.0 * found.sigma
+    estimate = delay_of(slow)
+    assert estimate.late
+    assert not estimate.sharp
+    assert abs(estimate.value - 0.2) < 2.0 * estimate.sigma
     assert signals(slow, CAR.rear.rolling_radius).v is None

@@ -34,12 +34,12 @@ def parts_of(log):
 
 def test_interval_holds_the_truth_as_often_as_it_says():
     rng = np.random.default_rng(1)
-    hits = 0
+    inside = 0
     for _ in range(400):
         a, b = (80.0 + 0.05 * rng.normal(size=400) for _ in range(2))
-        found = mismatch(a, 1.001 * b, np.ones(400, bool), 0.005)
-        hits += abs(found.value - 0.001) < found.half
-    assert 0.92 < hits / 400 < 0.98
+        result = mismatch(a, 1.001 * b, np.ones(400, bool), 0.005)
+        inside += abs(result.value - 0.001) < result.half
+    assert 0.92 < inside / 400 < 0.98
     assert mismatch(np.ones(100), np.ones(100), np.ones(100, bool), 0.005) is None
 
 
@@ -90,15 +90,15 @@ def test_locked_wheels_do_not_make_another_radius(locks_after):
 
 @pytest.mark.parametrize("v", [True, False])
 def test_abs_on_one_wheel_and_on_all(v):
-    found = slip_of(with_slip(STOPPED, ["fl"], 3.0, 0.4, 0.25, v))
-    assert found.cycles == (("fl", pytest.approx(3.0, abs=0.06)),)
-    assert found.locked == ()
+    result = slip_of(with_slip(STOPPED, ["fl"], 3.0, 0.4, 0.25, v))
+    assert result.cycles == (("fl", pytest.approx(3.0, abs=0.06)),)
+    assert result.locked == ()
     on_all = slip_of(with_slip(STOPPED, WHEELS, 3.0, 0.4, 0.25, v=v))
     assert len(on_all.cycles) == (4 if v else 0)
 
 
 def dipped(times, depth=0.08):
-    """The stop with half waves of slip of 0.1 s on both front wheels, `times` of them."""
+    """The stop with a number of half waves of slip, 0.1 s long, on both front wheels."""
     phase = 2.0 * np.pi * 5.0 * np.clip(STOPPED.time - 3.0, 0.0, 0.2 * times)
     keep = 1.0 - depth * np.maximum(np.sin(phase), 0.0)
     return changed(STOPPED, **{w: keep * STOPPED[w] for w in ("omega_fl", "omega_fr")})
@@ -162,8 +162,8 @@ def test_each_pair_is_named(plain, pair):
     log = exchanged(plain, pair)
     side, diagonal = crossed_side(parts_of(log)), crossed_diagonal(parts_of(log), expected)
     of_one_side = pair[0][1] == pair[1][1]
-    found, other = (side, diagonal) if of_one_side else (diagonal, side)
-    assert found.wheels == pair
+    result, other = (side, diagonal) if of_one_side else (diagonal, side)
+    assert result.wheels == pair
     assert other is None
     refused = ["wheels_crossed_side" in why_not(log, purpose) for purpose in PURPOSES]
     assert all(refused) if of_one_side else not any(refused)

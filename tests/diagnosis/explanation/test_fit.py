@@ -1,4 +1,4 @@
-"""An explanation: its columns against differences of predictions, its fit against plants."""
+"""The columns of a fit against differences of predictions, and fits against plants."""
 
 from dataclasses import replace
 
@@ -23,7 +23,7 @@ from tests.support.reference_car import CAR, noisy, ramp, stop
 
 DRAG, FADE = "aerodynamic_drag", "pad_thermal_fade"
 STEPS = dict(zip(RANDOM_EFFECTS, (1e-3, 1e-3, 1e-3, 1e-3, 1e-3, 1e-2, 5.0, 5.0), strict=True))
-"""Half the differences by which own states are moved, in their units."""
+"""Half the differences by which random effects are changed, in their units."""
 
 
 @pytest.fixture(scope="module")
@@ -46,13 +46,13 @@ def fading() -> Fit:
     return linearised(problem, hypothesis, state)
 
 
-def same(found: Array, expected: Array, within: float) -> bool:
+def same(result: Array, expected: Array, within: float) -> bool:
     """Whether two columns are the same within a share of their length."""
-    return bool(np.linalg.norm(found - expected) <= within * np.linalg.norm(expected))
+    return bool(np.linalg.norm(result - expected) <= within * np.linalg.norm(expected))
 
 
 @pytest.mark.parametrize("name", RANDOM_EFFECTS)
-def test_columns_of_own_states_are_differences_of_innovations(fading, name):
+def test_columns_of_random_effects_are_differences_of_innovations(fading, name):
     base, effects = base_and_effects(fading.problem, fading.hypothesis, fading.state)
     k, h = RANDOM_EFFECTS.index(name), STEPS[name]
     for i, run in enumerate(fading.problem.runs):
@@ -66,7 +66,7 @@ def test_columns_of_own_states_are_differences_of_innovations(fading, name):
         assert same(fading.random_columns(i)[k], (ends[0] - ends[1]) / (2.0 * h), 0.005)
 
 
-def test_columns_of_the_form_are_differences_of_predictions(fading):
+def test_columns_of_the_discrepancy_are_differences_of_predictions(fading):
     columns = [J[fading.state.x.size :] for J in fading.columns]
     for k in range(fading.state.discrepancy.size):
         ends = []
@@ -74,20 +74,20 @@ def test_columns_of_the_form_are_differences_of_predictions(fading):
             discrepancy = fading.state.discrepancy.copy()
             discrepancy[k] += step
             ends.append(fading.at_state(replace(fading.state, discrepancy=discrepancy)).innovations)
-        for found, above, below in zip(columns, *ends, strict=True):
-            assert same(found[k], (above - below) / 2e-3, 1e-6)
-    reached = [np.any(found, axis=1).sum() for found in columns]
+        for result, above, below in zip(columns, *ends, strict=True):
+            assert same(result[k], (above - below) / 2e-3, 1e-6)
+    reached = [np.any(result, axis=1).sum() for result in columns]
     assert min(reached) >= 6  # knots of both axles up to half a g
 
 
 @pytest.mark.parametrize("name", BASE_NAMES)
 def test_a_base_parameter_acts_at_its_lower_bound(fading, name):
-    """Else a fit that comes there stays: nothing shows it the way out."""
+    """A fit that comes to a bound where a parameter does not act would stay there."""
     k = BASE_NAMES.index(name)
     x = fading.state.x.copy()
     x[k] = LOW[k]
-    found = linearised(fading.problem, fading.hypothesis, replace(fading.state, x=x))
-    assert any(np.any(J[k]) for J in found.columns)
+    result = linearised(fading.problem, fading.hypothesis, replace(fading.state, x=x))
+    assert any(np.any(J[k]) for J in result.columns)
 
 
 def hard(vehicle: Vehicle, plant: Plant) -> Problem:
@@ -99,10 +99,10 @@ def test_a_hard_stop_shows_a_peak_above_the_usual_one():
     """From the usual 0.95 alone a fit may end at 0.90 and 0.98, with 3.5 of mean square."""
     peak = 1.15
     front_biased = replace(CAR, rear=replace(CAR.rear, piston_area=0.6 * CAR.rear.piston_area))
-    found = fitted(hard(front_biased, Plant(front_biased, tyre=magic(18.0, peak, 1.55))))
-    assert found.mean_square < 1.15
-    assert found.base.tyre.peak == pytest.approx(peak, rel=0.06)
-    model = without_discrepancy(found)  # as it is simulated
+    result = fitted(hard(front_biased, Plant(front_biased, tyre=magic(18.0, peak, 1.55))))
+    assert result.mean_square < 1.15
+    assert result.base.tyre.peak == pytest.approx(peak, rel=0.06)
+    model = without_discrepancy(result)  # as it is simulated
     assert model.mean_square < 1.15
 
 
@@ -113,6 +113,6 @@ def drag() -> HiddenCase:
 
 
 def test_the_load_that_a_hidden_drag_moves_is_one_of_its_parameters(drag):
-    found = fitted(asked_of(drag), (DRAG,)).effects.parameters[DRAG]
-    assert found["load_share"] == pytest.approx(0.0, abs=0.2)
-    assert found["drag_area"] == pytest.approx(drag.hidden.drag_area, rel=0.03)
+    result = fitted(asked_of(drag), (DRAG,)).effects.parameters[DRAG]
+    assert result["load_share"] == pytest.approx(0.0, abs=0.2)
+    assert result["drag_area"] == pytest.approx(drag.hidden.drag_area, rel=0.03)

@@ -18,8 +18,8 @@ LATE = calib.sample_logs() / "hidden" / "case_2"
 def test_no_parameter_alone_is_better_elsewhere():
     logs = [calib.read_log(LATE / f"calibration/{run}.parquet") for run in ("release", "step_high")]
     problem = asked(calib.read_vehicle(LATE / "vehicle.toml"), logs)
-    at = fit_logs(problem, Hypothesis(), start_of(problem))
+    fit = fit_logs(problem, Hypothesis(), start_of(problem))
     for step in np.vstack([size * np.eye(BASE_SIZE) for size in (-0.1, -0.01, 0.01, 0.1)]):
-        x = np.clip(at.state.x + step, at.prior.low[:BASE_SIZE], at.prior.high[:BASE_SIZE])
-        other = linearised(problem, at.hypothesis, replace(at.state, x=x), at.columns)
-        assert at.squares - other.squares < 1e-3 * (at.squares - at.count)
+        x = np.clip(fit.state.x + step, fit.prior.low[:BASE_SIZE], fit.prior.high[:BASE_SIZE])
+        other = linearised(problem, fit.hypothesis, replace(fit.state, x=x), fit.columns)
+        assert fit.squares - other.squares < 1e-3 * (fit.squares - fit.count)

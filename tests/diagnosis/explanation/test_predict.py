@@ -27,12 +27,14 @@ def run():
 
 
 def test_a_plant_with_the_same_physics_is_predicted(run):
-    told = predict(SEDAN, BASE, Effects(), run)
-    held = slice(200, -10)
-    assert told.a_x[held] == pytest.approx(run.a_x[held], abs=2e-3)
+    prediction = predict(SEDAN, BASE, Effects(), run)
+    inside = slice(200, -10)
+    assert prediction.a_x[inside] == pytest.approx(run.a_x[inside], abs=2e-3)
     # half of what a speed's noise is, after 16 m/s of braking
-    assert told.speed_gain[held] == pytest.approx((run.v_read - run.v_read[0])[held], abs=1e-2)
-    assert told.omega[:, held] == pytest.approx(run.omega[:, held], abs=2e-2)
+    assert prediction.speed_gain[inside] == pytest.approx(
+        (run.v_read - run.v_read[0])[inside], abs=1e-2
+    )
+    assert prediction.omega[:, inside] == pytest.approx(run.omega[:, inside], abs=2e-2)
 
 
 def test_wheels_swing_on_their_tyres_when_a_slow_car_releases_its_brakes():
@@ -46,25 +48,25 @@ def test_wheels_swing_on_their_tyres_when_a_slow_car_releases_its_brakes():
     plant = Plant(SEDAN, tyre=magic(25.0, 0.95), relaxation=0.4)
     run = run_of(as_log(drive(plant, released, 14.5, duration=5.0)))
     base = replace(BASE, tyre=replace(BASE.tyre, relaxation=0.4))
-    told = predict(SEDAN, base, Effects(), run)
+    prediction = predict(SEDAN, base, Effects(), run)
     free = (run.time > 4.06) & (run.time < 4.4)
     assert 3.0 < np.min(run.v_read[free]) < 6.0
     swing = run.omega[0, free] - run.v_read[free] / SEDAN.front.rolling_radius
-    left = (run.omega - told.omega)[0, free]
+    remaining = (run.omega - prediction.omega)[0, free]
     assert np.std(swing) > 0.1
-    assert np.std(left) < 0.6 * np.std(swing)  # the brakes end within a step of the grid
+    assert np.std(remaining) < 0.6 * np.std(swing)  # the brakes end within a step of the grid
 
 
 def test_a_logged_motor_is_predicted_and_one_that_is_not_is_missed():
     plant = Plant(SEDAN, tyre=magic(25.0, 0.95), motor=lambda t: (-80.0, -160.0 * min(t, 1.0)))
     log = as_log(drive(plant, pressure, 28.0, duration=6.0))
-    run, held = run_of(log), slice(200, -10)
-    told = predict(SEDAN, BASE, Effects(), run)
-    assert told.a_x[held] == pytest.approx(run.a_x[held], abs=2e-3)
-    assert told.omega[:, held] == pytest.approx(run.omega[:, held], abs=2e-2)
+    run, inside = run_of(log), slice(200, -10)
+    prediction = predict(SEDAN, BASE, Effects(), run)
+    assert prediction.a_x[inside] == pytest.approx(run.a_x[inside], abs=2e-3)
+    assert prediction.omega[:, inside] == pytest.approx(run.omega[:, inside], abs=2e-2)
     blind = predict(SEDAN, BASE, Effects(), run_of(without(log, "T_drive_f", "T_drive_r")))
     # 240 N m at 0.3 m on 1744 kg
-    assert np.mean((blind.a_x - run.a_x)[held]) == pytest.approx(0.44, abs=0.03)
+    assert np.mean((blind.a_x - run.a_x)[inside]) == pytest.approx(0.44, abs=0.03)
 
 
 @pytest.mark.parametrize("place", ["body", "brakes"])
@@ -73,12 +75,12 @@ def test_a_term_over_the_deceleration_does_not_predict_noise_from_itself(run, pl
     noisy = replace(run, z=run.z + np.random.default_rng(3).normal(0.0, 0.05, run.z.size) / G)
     values = (0.0, -0.1) if place == "body" else (0.0, -0.4)
     term = EmpiricalTerm(place, "deceleration", (0.0, 0.4), values)
-    told, clean = (predict(SEDAN, BASE, Effects(terms=(term,)), r).a_x for r in (noisy, run))
-    assert np.std(told - clean) < 0.02 * 0.05
+    prediction, clean = (predict(SEDAN, BASE, Effects(terms=(term,)), r).a_x for r in (noisy, run))
+    assert np.std(prediction - clean) < 0.02 * 0.05
 
 
 def test_a_known_lag_of_the_wheels_serves_only_behind_the_same_tyres(run):
     lag = predict(SEDAN, BASE, Effects(), run).lag
-    for one in (BASE, replace(BASE, tyre=MagicFormula(18.0, 0.95))):
-        told = predict(SEDAN, one, Effects(), run, lag)
-        assert np.array_equal(told.omega, predict(SEDAN, one, Effects(), run).omega)
+    for base in (BASE, replace(BASE, tyre=MagicFormula(18.0, 0.95))):
+        prediction = predict(SEDAN, base, Effects(), run, lag)
+        assert np.array_equal(prediction.omega, predict(SEDAN, base, Effects(), run).omega)
