@@ -102,8 +102,9 @@ def command(
             if answer.exit_code:
                 raise typer.Exit(answer.exit_code)
 
+        # typer reads signature and annotations, `cli.groups.add` the examples and the class
         parameters = [*declaration.own.values(), *declaration.common.values()]
-        run.__annotations__ = {p.name: p.annotation for p in parameters}
+        run.__annotations__ = {one.name: one.annotation for one in parameters}
         typed = Signature(parameters, return_annotation=None)
         vars(run).update(__signature__=typed, examples=examples, cls=cls)
         return run
@@ -128,7 +129,11 @@ class _Declaration:
         if report:
             self._infos["report"] = _info(_COMMON["report"])
         is_file_written = any(_writes_file(info) for info in self._infos.values())
-        left_out = {*self.own, *["report"] * (not report), *["force"] * (not is_file_written)}
+        left_out = set(self.own)
+        if not report:
+            left_out.add("report")
+        if not is_file_written:
+            left_out.add("force")
         self.common = {name: _common(name) for name in _COMMON if name not in left_out}
 
     def arguments(self, values: dict[str, Any]) -> dict[str, Any]:
@@ -192,9 +197,9 @@ def _typed(parameter: Parameter) -> Parameter:
     kind, info = parameter.annotation, parameter.default
     if get_origin(kind) is Annotated:
         kind, info = get_args(kind)
-    if isinstance(kind, str | ForwardRef):  # what becomes of a file
+    if isinstance(kind, str | ForwardRef):  # a quoted type, made of a file: its path is typed
         kind = Path | None
-    hint: Any = Annotated[info.extra.typed or kind, info]
+    hint: Any = Annotated[kind if info.extra.typed is None else info.extra.typed, info]
     default = _default(hint, is_option=parameter.kind == Parameter.KEYWORD_ONLY)
     return parameter.replace(annotation=hint, default=default)
 

@@ -45,7 +45,8 @@ def check_file(out: Path, kind: str = "", option: str = OUT) -> None:
         raise usage_error(f"cannot write {out}: it is a folder; expected a file", option)
     _refuse_parent(out, option)
     _refuse_inputs([out], option)
-    if ours := _ours(out, kind):
+    ours = _ours(out, kind)
+    if ours is not None:
         refuse_foreign(out, ours, option)
 
 
@@ -104,7 +105,7 @@ def refuse_foreign(out: Path, ours: Callable[[bytes], bool], option: str = OUT) 
     except OSError as error:
         may_replace = isinstance(error, FileNotFoundError)
     if not (may_replace or this_run().force):
-        flaw = f"{out} exists, and this program did not write it"
+        flaw = f"{out} exists and holds something else"
         raise usage_error(f"{flaw}; give another name, or replace it with --force", option)
 
 

@@ -94,14 +94,11 @@ def station(
             signed.check(golden, reference)
         task = f"fitting {vehicle.name}, validating on {counted(len(holdouts), 'stop')}"
         with progress(task, len(holdouts) + 1) as step:
-            fitted, coasts, stops = (
-                [read(path, channel_map) for path in part] for part in (ramps, coast, holdouts)
-            )
             outcome = judged_car(
                 vehicle,
-                fitted,
-                coasts,
-                stops,
+                [read(path, channel_map) for path in ramps],
+                [read(path, channel_map) for path in coast],
+                [read(path, channel_map) for path in holdouts],
                 limits,
                 identification,
                 mass=mass,
