@@ -82,10 +82,7 @@ def _trials_of(fit: Fit, name: str) -> list[Trial]:
 def promises(
     fit: Fit, further: Iterable[Trial], most: int = 3, more_groups: bool = False
 ) -> list[Promise]:
-    """Rank hypotheses with up to ``most`` further effects beside those of ``fit``; best first.
-
-    With ``more_groups`` logs may differ in further groups, too.
-    """
+    """Rank ``fit`` with up to ``most`` further effects, and ``more_groups`` or not; best first."""
     tried = [trial for trial in further if trial.name not in fit.names]
     by_log = zip(*(trial.changes for trial in tried), strict=True)
     products = fit.products_with([np.stack(of_log) for of_log in by_log])

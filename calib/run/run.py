@@ -246,10 +246,7 @@ class Run:
     def accelerometer(
         self, resistance: "Resistance", noise: SensorNoise | None = None
     ) -> Accelerometer:
-        """Scale and offset of the accelerometer with a known ``resistance``.
-
-        ``noise`` is that of the run, unless another one is given.
-        """
+        """Scale and offset of the accelerometer; ``noise`` is that of the run by default."""
         b, evidence = self.blocks, self.speed_evidence
         if noise is not None:
             evidence = speed_evidence(b, noise.z, noise.v)
@@ -262,10 +259,7 @@ class Run:
         return b if sensor is None else replace(b, z=sensor.corrected(b.z))
 
     def response(self, effects: Effects) -> BrakeResponse | None:
-        """Response of the brakes to the pressure; None if the run brakes too little.
-
-        ``effects`` are the known ones of body and wheels.
-        """
+        """Response of the brakes, with ``effects`` of body and wheels; None with little braking."""
         return brake_response(self.signals, brake_balance(self.car, effects, self.signals))
 
 

@@ -106,7 +106,7 @@ def noise_of(parts: list[Array], wholes: list[Array]) -> ChannelNoise:
 
 
 def _white_noise_of(wholes: list[Array]) -> ChannelNoise:
-    """White noise by the third differences of residuals, (6, n) each."""
+    """White noise, by the third differences of residuals (6, n)."""
     scatter = [np.median(np.abs(np.diff(x, 3, axis=1)), axis=1) for x in wholes]
     # the median over the runs: a bite or a release does not move it
     sigma = np.maximum(np.median(scatter, axis=0) / QUARTILE / np.sqrt(20.0), _FLOOR)
@@ -140,10 +140,7 @@ def _whitened_drift(x: Array) -> Array:
 
 
 def whiten(residual: Array, noise: ChannelNoise) -> Array:
-    """Innovations over their sigma (..., n) of residuals (..., 6, m), channel after channel.
-
-    n is 6 (m - ORDER).
-    """
+    """Innovations over sigma (..., 6 (m - ORDER)) of residuals (..., 6, m), channel by channel."""
     size = residual.shape[-1] - ORDER
     terms = (noise.coefficients[:, k, None] * residual[..., k : k + size] for k in range(ORDER))
     innovations = residual[..., ORDER:] - sum(terms)

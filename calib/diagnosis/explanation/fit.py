@@ -53,8 +53,7 @@ class Fit:
     """A hypothesis fitted to the logs of a problem.
 
     For each log it has the ``predictions``, the ``innovations`` (n,), and their derivatives:
-    ``columns`` (m + 2 k, n) by x and discrepancy, ``further_columns`` (4, n) by `OFFSETS` and
-    `HEATS`.
+    ``columns`` (m + 2 k, n) by x and discrepancy, ``further_columns`` (4, n) by offsets and heats.
     """
 
     problem: Problem
@@ -119,10 +118,7 @@ class Fit:
         return bool(base @ self.prior.precision @ base > _UNUSUAL * np.sum(is_base))
 
     def worth_of(self, name: str) -> float:
-        """Gain of ln of the evidence by an effect, without its price, by the linear model.
-
-        Only the strength, its first element, counts.
-        """
+        """Gain of ln of the evidence by the strength of an effect, without price, if linear."""
         i = int(np.argmax(self.prior.effect_names == name))
         return float(0.5 * self.state.x[i] ** 2 / self.covariance[i, i])
 
