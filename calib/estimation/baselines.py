@@ -1,13 +1,17 @@
-"""Baselines of the pad friction: the paper's law, and the methods that it compares itself with.
+"""Baselines of the pad friction: the paper's law, and the methods that the paper compares it with.
 
-The curves f1(eta), f2(eta) hold on the road of the ramp. A method that does not apply gives NaN.
+A method that does not apply gives NaN. The paper's law adapts the change zeta of the pad friction
+of each axle. It takes the force of the axle from the curves f1(eta), f2(eta) of the table, which
+hold on the road of the ramp:
 
     y = J d omega/dt - (z + f1) R F_z + mu_n C P = -zeta C P     (23), front; f2 at the rear
     y = theta u,   theta = zeta,   u = -C P                      (24)
 
-(25) as printed lacks the derivative: it is d theta_hat/dt = gamma eps u, eps = y - theta_hat u. In
-steps of dt it is stable while gamma u^2 dt < 2. A Lyapunov function is
-(theta - theta_hat)^2/(2 gamma); that of the paper, (26) to (28), is one for constant u only.
+    d theta_hat/dt = gamma eps u,   eps = y - theta_hat u                 (25)
+
+(25) as printed lacks the derivative. In steps of dt it is stable while gamma u^2 dt < 2. A Lyapunov
+function is (theta - theta_hat)^2/(2 gamma); that of the paper, (26) to (28), holds for constant u
+only.
 """
 
 from collections.abc import Callable
@@ -24,8 +28,10 @@ from calib.table.table import Table
 
 RATE, PRESSURE = 8.0, 20e5
 """Rate of the gradient law [1/s] at a usual braking pressure [Pa]: 90 % of a step of zeta in 0.3 s.
-It grows with the square of the pressure."""
-_MEMORY = 0.5  # of the mean gain [s]: short against a stop, long against road noise (0.1 s)
+The rate grows with the square of the pressure."""
+_MEMORY = 0.5
+"""Time over which the mean gain forgets [s]: short against a stop, long against road noise (0.1 s).
+"""
 
 
 def nominal(e: Estimate, factor: Array | float = 1.0) -> Pair:
@@ -35,11 +41,12 @@ def nominal(e: Estimate, factor: Array | float = 1.0) -> Pair:
 
 
 def mean_gain(e: Estimate) -> Pair:
-    """Nominal pads times one factor, the paper's [16].
+    """Nominal pads times one factor, reference [16] of the paper.
 
-    Recursive least squares of demanded on nominal brake force, forgetting over `_MEMORY`; 1 before
-    the first braking. Of [16] the paper only says that its gain is recursive and rests on the
-    deceleration: here a_x without known resistance. It cannot tell the axles apart.
+    The factor is the recursive least squares solution of demanded over nominal brake force, which
+    forgets over `_MEMORY`; it is 1 before the first braking. Of [16] the paper only says that its
+    gain is recursive and rests on the deceleration: here a_x without known resistance. The method
+    cannot tell the axles apart.
     """
     u = np.where(e.forces.active, e.forces.nominal_f + e.forces.nominal_r, 0.0)
     pole = [1.0, -float(np.exp(-e.read.sample_time / _MEMORY))]
@@ -54,13 +61,14 @@ def mean_gain(e: Estimate) -> Pair:
 
 
 def _adapted(e: Estimate) -> Pair:
-    """Pad friction mu_n + zeta of the axles (n,) by the law on the brake forces of the curves.
+    """Pad friction mu_n + zeta of the axles (n,) by the paper's law.
 
-    Each axle has its own gain, and is frozen where no pads bite.
+    Each axle has its own gain. Its zeta is constant where no pads bite.
     """
     brakes = _by_curves(e.table, e.eta, e.forces.balance)
 
     def adapt(axle: Axle, p: Array, brake: Array) -> Array:
+        """Pad friction (n,) of an axle with pressure ``p`` [Pa] and ``brake`` force [N]."""
         torque = axle.torque_gain * p
         y = axle.pad_friction * torque - 0.5 * axle.rolling_radius * brake  # (23)
         u = np.where(e.forces.active, -torque, 0.0)  # (24)
@@ -70,10 +78,10 @@ def _adapted(e: Estimate) -> Pair:
 
 
 def _by_curves(table: Table, eta: Array, b: ForceBalance) -> Pair:
-    """Brake forces [N] of tyres at z + f1(eta) and z + f2(eta), (11)-(14), as exported.
+    """Brake forces [N] of both axles by the normalised forces z + f1 and z + f2, (11)-(14).
 
-    ``eta`` zeroed (22) (n,); z the sum of the tyre forces of ``b`` over the weight. Beyond the ends
-    of the curves their last values.
+    ``eta`` zeroed (22) (n,); z is the sum of the tyre forces of ``b`` over the weight. Beyond its
+    end a curve keeps its last value.
     """
     c, z = table.paper, b.tyre_sum / table.vehicle.weight
     F_f, F_r = (z + np.interp(eta, c.eta, f) for f in (c.f1, c.f2))
@@ -81,12 +89,12 @@ def _by_curves(table: Table, eta: Array, b: ForceBalance) -> Pair:
 
 
 def gain(axle: Axle) -> float:
-    """gamma [1/(N^2 m^2 s)] that adapts this axle at `RATE` at `PRESSURE`."""
+    """gamma [1/(N^2 m^2 s)] at which (25) adapts an axle with `RATE` at `PRESSURE`."""
     return RATE / (axle.torque_gain * PRESSURE) ** 2
 
 
 def gradient(y: Array, u: Array, gamma: float, dt: float) -> Array:
-    """theta after each sample by (25), from 0, (n,); NaN where gamma u^2 dt reaches 2: unstable.
+    """theta_hat (n,) after each sample by (25), from 0; NaN where (25) is unstable in steps of dt.
 
     theta[k+1] = (1 - gamma u^2 dt) theta[k] + gamma dt u y is a lower bidiagonal system.
     """

@@ -1,4 +1,8 @@
-"""Constants of the step: what it takes from a table, and its tuned numbers."""
+"""Constants of the step: values of a table, values of the sensors, and tuned numbers.
+
+`constants` makes them for a table. The names that begin with ``q_`` are random walks of a state,
+those with ``r_`` measurement noise, those with ``var_`` variances.
+"""
 
 import math
 from dataclasses import dataclass, field
@@ -19,7 +23,7 @@ from calib.table.table import Table
 LEVEL = ("level", "level_lower", "level_upper")
 PADS = ("ratio", "change"), ("ratio_lower", "change_lower"), ("ratio_upper", "change_upper")
 SLIP = ("log_slip", "log_slip_sigma")
-"""Columns of the maps that the step reads, in the shape in which it has them."""
+"""Columns of the maps that the step reads, in the shape in which the step has them."""
 
 _ROADS = STOP.log_stiffness
 _ROAD_SIGMA = math.sqrt(np.average(np.hypot(_ROADS.mean, _ROADS.sigma) ** 2, weights=_ROADS.share))
@@ -28,14 +32,17 @@ _WALKS = "level", "rate", "slip", "grade", "bias", "radius"
 
 @dataclass(frozen=True)
 class Constants:
-    """What the step takes from a table, and its tuned numbers."""
+    """Constants of the step.
 
-    pads: Reader  # of `PADS` over what is seen
-    slip: Reader  # of `SLIP` over the same
-    level: Reader  # of `LEVEL` over z
-    prior: Reader  # of `PADS` over z, before eta is read
-    noise_rim: float  # densities of the sensors' noise: of the wheels' rims [m/s s^0.5]
-    noise_z: float  # as in `SensorNoise`
+    First those of table and sensors, then tuned numbers, then values that follow from these.
+    """
+
+    pads: Reader  # `PADS` over z, eta and slip
+    slip: Reader  # `SLIP` over the same
+    level: Reader  # `LEVEL` over z
+    prior: Reader  # `PADS` over z, before eta is read
+    noise_rim: float  # density of the noise of the wheels' rims [m/s s^0.5]
+    noise_z: float  # densities of the noise of z and v, as in `SensorNoise`
     noise_v: float
     radii: float  # rolling radius of the front wheels over that of the rear ones, less 1 [1]
     late: float  # time by which v comes after the wheel speeds [s], and its sigma
@@ -45,73 +52,73 @@ class Constants:
     bite: float = BITE  # pressure of a brake that is applied [Pa]
     moving: float = MOVING  # [m/s]
     steady: float = ROLLING_Z  # deceleration of a car that rolls, at most [1]
-    q_radius: float = WALK  # of the zeros of eta and slip [1/sqrt(s)]
-    memory: float = 0.3  # of the means that go into the map [s]
-    before_bite: float = 0.1  # time that no zero rests on [s]: pads may touch
-    untouched: float = 7e4  # pressure up to which they do not [Pa]
-    settle: float = 0.3  # time of braking before an answer stands [s]
+    q_radius: float = WALK  # random walk of the zeros of eta and slip [1/sqrt(s)]
+    memory: float = 0.3  # time over which the means for the map forget [s]
+    before_bite: float = 0.1  # time before a bite [s] without zeros, since pads may touch
+    untouched: float = 7e4  # pressure up to which pads do not touch [Pa]
+    settle: float = 0.3  # time of braking before an answer is valid [s]
     over: float = 1.0  # time after a release at which a stop is over [s]
-    least_pressure: float = 2e5  # [Pa]
-    least_z: float = 0.05  # below it eta says nothing [1]
+    least_pressure: float = 2e5  # pressure of a valid answer [Pa]
+    least_z: float = 0.05  # mean of z from which on eta is read [1]
     unsteady: float = 0.36  # of the variance of eta while z changes: a body that pitches [1]
     usual_z: float = 0.1  # at which the maps are read before any braking [1]
-    least_mean_z: float = 0.01  # below it there is none [1]
-    least_share: float = 0.02  # of a level, or of the pressure that acts: below there is none [1]
-    least_level: float = 0.05  # of any pads: soaked ones [1]
-    most_level: float = 3.0  # the best of racing pads, with a tenth of error [1]
-    level_sigma: float = CAR.pad_level.sigma  # of a level before any braking [1]
-    q_level: float = 0.01  # [1/sqrt(s)]
-    fade: float = 0.06  # sigma of the rate at which the level changes [1/s], and its walk
+    least_mean_z: float = 0.01  # a smaller mean of z counts as this [1]
+    least_share: float = 0.02  # a smaller level, or share of the pressure, counts as this [1]
+    least_level: float = 0.05  # of soaked pads, the weakest [1]
+    most_level: float = 3.0  # of the best racing pads, with a tenth of error [1]
+    level_sigma: float = CAR.pad_level.sigma  # sigma of the level before any braking [1]
+    q_level: float = 0.01  # random walk of the level, relative [1/sqrt(s)]
+    fade: float = 0.06  # sigma of the rate at which the level changes [1/s], and its random walk
     q_rate: float = 0.02
-    jump: float = 3.0  # beyond it an error of prediction is a step of the level [sigma]
-    r_level: float = 0.007  # of a block, relative: road and body
+    jump: float = 3.0  # innovation from which on the level has made a step [sigma]
+    r_level: float = 0.007  # relative noise of the force of a block, by road and body
     lag: float = CAR.brake_lag.mean  # time constant of the brakes [s], and its sigma
     lag_sigma: float = CAR.brake_lag.sigma
-    r_lag: float = 0.2  # of the force that is still to come: no brake lags by first order alone
-    least_lag: float = 0.004
-    apart: float = 0.02  # of the clocks of a_x and speeds [s]
-    zero: float = CAR.zero.sigma  # of a zero before any rolling [1]
-    offset: float = SENSOR.a_x_offset.sigma  # of bias and slope before any rolling [1]
-    q_bias: float = 1e-4  # of a_x as it warms up [1/sqrt(s)]
-    q_grade: float = 0.001  # of bias and slope [1/sqrt(s)]
-    scale: float = LOG.a_x_scale_step.mean  # a_x reads too much while braking, and its sigma
+    r_lag: float = 0.2  # relative noise of the force to come: brakes do not lag by first order
+    least_lag: float = 0.004  # least time constant of the brakes, in seconds
+    apart: float = 0.02  # difference of the clocks of a_x and speeds [s]
+    zero: float = CAR.zero.sigma  # sigma of a zero before any rolling [1]
+    offset: float = SENSOR.a_x_offset.sigma  # sigma of bias and slope before any rolling [1]
+    q_bias: float = 1e-4  # random walk of the bias of a_x as it warms up [1/sqrt(s)]
+    q_grade: float = 0.001  # random walk of bias and slope [1/sqrt(s)]
+    scale: float = LOG.a_x_scale_step.mean  # relative excess of a_x while braking, and its sigma
     scale_sigma: float = LOG.a_x_scale_step.sigma
-    ageing: float = 0.01  # of a held ratio [1/sqrt(s)]
-    unlike: float = 0.5  # how far pads change apart that change together, sigma [1]
-    narrower: float = 0.2  # by which a reading takes all of the place of what was known [1]
-    r_slip: float = 0.04  # of the slip of a block, relative
+    ageing: float = 0.01  # random walk of a held ratio [1/sqrt(s)]
+    unlike: float = 0.5  # sigma of the change of ln of the ratio over that of ln of the level [1]
+    narrower: float = 0.2  # a reading narrower by this replaces the held ratio [1]
+    r_slip: float = 0.04  # relative noise of the slip of a block
     log_slip: float = CAR.log_slip.mean  # ln(slip/z) before any braking, 0.04, and its sigma [1]
     log_slip_sigma: float = CAR.log_slip.sigma
-    q_slip: float = 0.03  # of ln(slip/z) [1/sqrt(s)]
-    q_bends: float = 0.1  # its variance per deceleration that changes [1]: tyres are no lines
-    other_road: float = _ROAD_SIGMA  # of ln of the tyres' stiffness, over that of the ramp [1]
-    slowest: float = 0.3  # speed of the rims that counts, at least [m/s]
-    steering: float = math.radians(5.0)  # of the driver's wheel [rad]; as large as the signal
-    lateral: float = 3.0  # acceleration by the speeds of the wheels past which eta is another
-    # [m/s^2]; radii 0.5 % apart, left to right, look like as much at 30 m/s
-    lock: float = 0.15  # departure of a wheel from the others that only ABS or a lock shows [1]
+    q_slip: float = 0.03  # random walk of ln(slip/z) [1/sqrt(s)]
+    q_bends: float = 0.1  # variance of ln(slip/z) per change of z [1], since tyres are no lines
+    other_road: float = _ROAD_SIGMA  # sigma of ln of the tyres' stiffness over the ramp's [1]
+    slowest: float = 0.3  # a slower speed of the rims counts as this [m/s]
+    steering: float = math.radians(5.0)  # driver's wheel [rad] that changes eta as braking does
+    lateral: float = 3.0  # acceleration, by the wheels, from which on a bend changes eta
+    # [m/s^2]; radii that differ by 0.5 %, left to right, show as much at 30 m/s
+    lock: float = 0.15  # share by which only a wheel with ABS or a lock is slower [1]
     slows: float = 15.0 / NOMINAL_RADIUS  # no road lets wheels slow by more [rad/s^2]: all lock
-    turning: float = MOVING / NOMINAL_RADIUS  # below that none locks [rad/s]
-    recover: float = 1.0  # after that the filters behind the signals have forgotten it [s]
-    unexplained: float = 0.02  # brake force that is no noise of a_x, at least [1]
-    errs: float = 10.0  # log likelihood ratio from which it is a_x, or a motor
-    most_evidence: float = 2.5  # that a block adds to it, at most: no bump is an error of a_x
-    drive_memory: float = 0.5  # [s]
-    usual_level: float = 1.0  # memory of the level before a step, and of what it says [s]
-    chatter: float = 8.0  # mean of squared innovations while ABS works, each at most
+    turning: float = MOVING / NOMINAL_RADIUS  # wheel speed from which on a lock is seen [rad/s]
+    recover: float = 1.0  # time after a lock, ABS or a failed check without a valid answer [s]
+    unexplained: float = 0.02  # brake force over the weight that is more than noise of a_x [1]
+    errs: float = 10.0  # log likelihood ratio from which on a_x errs, or a motor is wrong
+    most_evidence: float = 2.5  # that a block adds at most, so that a bump is no error of a_x
+    drive_memory: float = 0.5  # time over which the mean force of motors forgets [s]
+    usual_level: float = 1.0  # time over which the level before a step is followed [s]
+    chatter: float = 8.0  # mean of squared innovations from which on ABS works; each counts at most
     most_chatter: float = 36.0
-    chatter_memory: float = 0.7  # [s]
-    trusted: float = 2.0  # departure of the scale from its prior; beyond it, doubt [sigma]
-    far: float = 7.0  # of the offset from its prior [sigma]
-    far_scale: float = 10.0  # of the scale: a slope that begins in a stop moves it by 9
-    far_slip: float = 2.8  # of ln(slip/z), upwards
-    least_demand: float = -0.15  # of a car that brakes [1]
+    chatter_memory: float = 0.7  # time over which that mean forgets [s]
+    trusted: float = 2.0  # departure of the scale from its prior without doubt [sigma]
+    far: float = 7.0  # largest plausible departure of the offset from its prior [sigma]
+    far_scale: float = 10.0  # the same of the scale; a slope that begins in a stop moves it by 9
+    far_slip: float = 2.8  # the same of ln(slip/z), upwards
+    least_demand: float = -0.15  # least and largest plausible brake force over the weight [1]
     most_demand: float = 1.3
-    most_zero: float = 0.1  # of a zero of the demand [1]
-    most_radii: float = 0.05  # by which eta - 1 is from that of the file's radii [1]
-    refusals: float = 10.0  # of zeros in a row, after which none is known
+    most_zero: float = 0.1  # largest plausible zero of the demand [1]
+    most_radii: float = 0.05  # largest plausible departure of eta - 1 from the file's radii [1]
+    refusals: float = 10.0  # implausible zeros in a row, after which no zero is known
 
-    # What a block needs of those above.
+    # Values that follow from those above.
     keep: float = field(init=False)  # share of the means that stays [1]
     var_level: float = field(init=False)  # variances before any braking
     var_rate: float = field(init=False)
@@ -145,7 +152,7 @@ class Constants:
     speed: float = field(init=False)  # that a car loses in a block at 1 g [m/s]
 
     def __post_init__(self) -> None:
-        """Compute what a block needs."""
+        """Compute the values that follow from the others."""
         dt = self.block
         of_block = {
             "keep": math.exp(-dt / self.memory),
@@ -180,7 +187,7 @@ class Constants:
 
 
 def constants(table: Table, noise: SensorNoise, block: float) -> Constants:
-    """What the step takes from a ``table``; ``noise`` of the sensors."""
+    """Constants for a ``table``, ``noise`` of the sensors, and the length of a ``block`` [s]."""
     return Constants(
         **_of_table(table),
         noise_rim=float(table.vehicle.front.rolling_radius * noise.omega),

@@ -1,8 +1,9 @@
-r"""The estimator on one log: causal, at the log's own rate, what an ECU would give.
+r"""Estimate pads and torques of one log, causally and at its own rate.
 
     log -> known effects out -> signals -> step of the table -> pad friction, torque, intervals
 
-The step is in `calib.estimation.step`; `calib.estimation.baselines` has other methods.
+The step is in `calib.estimation.step`. `calib.estimation.baselines` has other methods to compare
+with.
 """
 
 from dataclasses import dataclass, replace
@@ -40,7 +41,7 @@ from calib.table.table import Table
 if TYPE_CHECKING:
     import pandas as pd
 
-_SMOOTH = 0.1  # time constant of the causal filter on a load [s], short against the change of a pad
+_SMOOTH = 0.1  # time constant of the low pass on an axle load [s]: pads change more slowly
 
 COLUMNS = {
     "time": "s",
@@ -58,13 +59,13 @@ Those with ``ecu_`` are what the table gives without a speed; ``ecu_reason`` is 
 
 @dataclass(frozen=True)
 class Estimate(Viewable):
-    """The estimate of one log, at its rate, and what it rests on.
+    """The estimate of one log, at its rate, with its inputs.
 
-    ``table`` with the car as driven, ``car`` the same with nominal pads and all known effects;
-    ``run`` the log with its gaps filled; ``ran`` its own samples without known effects, and the
-    factors of these on the pad friction; ``read`` their signals, with the balance of ``forces``;
-    ``noise`` of the sensors; ``best`` the answer by all channels, ``ecu`` that without a speed;
-    ``unfit`` why no sample counts, if so.
+    ``table`` with the car as driven; ``car`` this car with nominal pads and all known effects;
+    ``run`` the log with its gaps filled; ``ran`` the samples of the log without known effects, with
+    the factors of these effects on the pad friction; ``read`` the signals of ``ran``, ``forces``
+    their balance; ``noise`` of the sensors; ``best`` the answer by all channels, ``ecu`` the answer
+    without a speed; ``unfit`` reasons why no sample counts, else empty.
     """
 
     table: Table
@@ -87,7 +88,7 @@ class Estimate(Viewable):
 
     @property
     def blocks(self) -> Blocks:
-        """Means of the signals over 50 ms, those of its filled gaps among them."""
+        """Means of the signals over 50 ms, filled gaps included."""
         return self.run.blocks
 
     @property
@@ -102,7 +103,7 @@ class Estimate(Viewable):
 
     @property
     def braked(self) -> Mask:
-        """Samples (n,) with a pressure at which a pad level means something."""
+        """Samples (n,) with enough pressure for a pad level."""
         return np.maximum(self.read.p_f, self.read.p_r) > Constants.least_pressure
 
     @property
@@ -113,15 +114,15 @@ class Estimate(Viewable):
     @property
     def refused(self) -> dict[str, Mask]:
         """Samples in which the pads bite and the ECU has no answer, (n,) each, by reason."""
-        reasons = (reason for reason in Reason if reason is not Reason.VALID)
-        shown = {reason.words: self.bites & (self.ecu.step.reason == reason) for reason in reasons}
-        return dict.fromkeys(self.unfit, self.bites) | shown
+        reasons = [reason for reason in Reason if reason is not Reason.VALID]
+        by_ecu = {reason.words: self.bites & (self.ecu.step.reason == reason) for reason in reasons}
+        return dict.fromkeys(self.unfit, self.bites) | by_ecu
 
     @property
     def zeros(self) -> tuple[float, float]:
-        """Eta (22) and slip [1] before the first bite, without known effects: the radii of the day.
+        """Eta (22) and slip [1] before the first bite, without known effects: by the present radii.
 
-        Without a lead-in those of the car, within one per cent.
+        Without a lead-in they are those of the car's radii, within one per cent.
         """
         step, last = self.best.step, int(np.argmax(self.bites)) - 1  # without a bite the last one
         return float(step.zero_eta[last]), float(step.zero_slip[last])
@@ -133,12 +134,12 @@ class Estimate(Viewable):
 
     @property
     def slips(self) -> Pair | None:
-        """Slips (19), (20) of the axles [1] (n,) with the radii of the day; None without v."""
+        """Slips (19), (20) of the axles [1] (n,) with the present radii; None without v."""
         if self.read.v is None:
             return None
-        free = self.car.front.rolling_radius / (1.0 - self.zeros[1])
-        turned = free * self.read.omega_f / np.maximum(self.read.v, 0.5)
-        return 1.0 - turned, 1.0 - turned * self.eta
+        radius = self.car.front.rolling_radius / (1.0 - self.zeros[1])
+        rim_over_v = radius * self.read.omega_f / np.maximum(self.read.v, 0.5)
+        return 1.0 - rim_over_v, 1.0 - rim_over_v * self.eta
 
     @cached_property
     def normalised(self) -> Pair:
@@ -152,7 +153,7 @@ class Estimate(Viewable):
         )
 
     def columns(self) -> dict[str, Array | Mask | Index]:
-        """The samples by the names of `COLUMNS`, (n,) each; both wheels of an axle are alike."""
+        """The samples by the names of `COLUMNS`, (n,) each; both wheels of an axle are equal."""
         best, ecu = self.best.columns() | {"valid": self.valid}, self.ecu.columns()
         columns = self.time, self.read.z, self.eta, *self.normalised, *best.values(), *ecu.values()
         return dict(zip(COLUMNS, (*columns, self.ecu.step.reason), strict=True))
@@ -182,8 +183,8 @@ def estimate(
     table : the fitted table, or a version of it in a store. Its known effects are taken out of
         the log first, see `calib.run.known_effects`.
     log : the run, with an unbraked lead-in in which eta is zeroed.
-    vehicle : the nominal pads if they are not the table's, and known effects beside or instead of
-        the table's.
+    vehicle : nominal pads, if they are not the table's, and known effects, which are added to the
+        table's and take precedence.
     mass : of the car in this log [kg], if it is not that of the table's vehicle.
     exported : the table as an ECU reads it, for ``ecu``, see `calib.table.exported`.
 
@@ -208,7 +209,7 @@ def estimate(
 def run_of(
     table: Table, log: Log, vehicle: Vehicle | None = None, mass: float | None = None
 ) -> Run:
-    """The run of a log with the table's car and all known effects; arguments as of `estimate`."""
+    """The run of a log with the table's car and all known effects; arguments as in `estimate`."""
     effects = table.vehicle.effects.with_(vehicle.effects if vehicle else Effects())
     return Run(log, with_mass(replace(table.vehicle, effects=effects), mass))
 
@@ -216,26 +217,26 @@ def run_of(
 def estimate_run(
     table: Table, run: Run, vehicle: Vehicle | None = None, exported: Table | None = None
 ) -> Estimate:
-    """Run the estimator on what `run_of` gives; as of `estimate`."""
+    """Run the estimator on a run by `run_of`; the other arguments as in `estimate`."""
     log, car = run.log, run.vehicle
     assert car is not None
     if log.time.size < max(2, samples_of_block(log.sample_time)):
         raise LogError("the log is shorter than a block of 50 ms", where=log.source)
-    whole, rows = _filled(run)
-    used = as_driven(table, whole.car)
+    filled, rows = _filled(run)
+    used = as_driven(table, filled.car)
     nominal = nominal_car(used, vehicle)
-    disturbed = np.full(whole.log.time.size, int(Reason.FAULT))
-    disturbed[rows] = disturbances(used, whole.corrected.log, whole.signals)[rows]
-    noise = worst_noise([SensorNoise(**table.noise), whole.lead_in_noise])
-    best = read_out(used, noise, whole.signals, whole.blocks, disturbed)
-    ran, read = whole.corrected, whole.signals
+    disturbed = np.full(filled.log.time.size, int(Reason.FAULT))
+    disturbed[rows] = disturbances(used, filled.corrected.log, filled.signals)[rows]
+    noise = worst_noise([SensorNoise(**table.noise), filled.lead_in_noise])
+    best = read_out(used, noise, filled.signals, filled.blocks, disturbed)
+    ran, read = filled.corrected, filled.signals
     if rows.size < read.time.size:
         best, ran, read = best.take(rows), ran.take(rows), read.take(rows)
     ecu = online(exported or table, replace(car, effects=sensed(car.effects)), log)
     return Estimate(
         table=used,
         car=replace(nominal, effects=car.effects),
-        run=whole,
+        run=filled,
         ran=ran,
         read=read,
         forces=brake_balance(nominal, known_effects(used), read),

@@ -1,4 +1,4 @@
-"""What a table knows of its car: nominal pads, resistance, and the slips by known effects."""
+"""Known parts of a table's car: nominal pads, resistance, and slips by known effects."""
 
 import math
 from dataclasses import replace
@@ -20,14 +20,14 @@ from calib.table.table import Table
 
 @lru_cache(maxsize=4)
 def as_driven(table: Table, car: Vehicle) -> Table:
-    """The table with its ``car`` as driven, cached so that the logs of a batch share its maps."""
+    """The table with the ``car`` as driven, cached so that the logs of a batch share its maps."""
     return replace(table, vehicle=car)
 
 
 def nominal_car(table: Table, vehicle: Vehicle | None = None) -> Vehicle:
-    """The table's car with the nominal pads of ``vehicle``, or those of the calibration.
+    """The table's car with nominal pads: those of ``vehicle`` if given, else by the calibration.
 
-    The latter have the ratio of the file, and together brake as the pads did on the ramp.
+    The latter have the ratio of the file and the common level of the pads on the ramp.
     """
     car, pads = table.vehicle, vehicle or table.vehicle
     scale = 1.0 if vehicle else math.exp(pad_levels(car, table.calibration).level)
@@ -41,17 +41,17 @@ def known_effects(table: Table) -> Effects:
 
 def require_plain(table: Table) -> None:
     """Raise StoreError for effects that the code does not take out."""
-    more = [x for x in known_effects(table).described if x not in RESISTANCE]
-    if more:
+    others = [name for name in known_effects(table).described if name not in RESISTANCE]
+    if others:
         raise StoreError(
-            f"the code does not take out {', '.join(more)}",
+            f"the code does not take out {', '.join(others)}",
             expected=" and ".join(RESISTANCE) + " alone",
             do="hand out the table in another format, and take the effect out before it is read",
         )
 
 
 def known_resistance(table: Table) -> Resistance:
-    """The resistance the table was fitted with; its parameters' errors taken as independent."""
+    """The resistance of the fit. The errors of its parameters are taken as independent."""
     drag, rolling = (table.effects.sigma[effect][name] for effect, name in (DRAG, ROLLING))
     covariance = ((drag**2, 0.0), (0.0, rolling**2))
     return Resistance(known_effects(table), covariance, specified=True)
@@ -60,9 +60,10 @@ def known_resistance(table: Table) -> Resistance:
 def known_slips(table: Table, road: ForceBalance) -> Pair:
     """Slip of both axles [1] (n,) by known effects: the whole slip less that by brakes alone.
 
-    Slips follow from the tyre curve of the table. The force of an axle is that of the ramp's pads
-    and of engine, motor and other effects; its load counts the whole deceleration and what known
-    effects move. The relative error is that of the road's stiffness against the ramp's.
+    Slips follow from the tyre curve of the table, with pads of the ramp's ratio. In the whole slip
+    the force of an axle includes engine, motor and other effects, and its load the whole
+    deceleration and the load shift of known effects. On a road of another stiffness than the ramp's
+    the slip has the relative error of the stiffness.
     """
     car = table.vehicle
     alone = road.demanded / (1.0 + sum(rotating_shares(car)))

@@ -1,4 +1,4 @@
-"""Limits of a validation and what is judged by them; the file: `calib.estimation.limits_file`."""
+"""Limits of a validation, and the judgement of metrics; `limits_file` reads limits from a file."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,8 +14,9 @@ PASSED, WARNING, FAILED, NOT_KNOWN = "passed", "warning", "failed", "not known"
 class Limit:
     """Allowed range of a metric; any end may be open (None).
 
-    Outside ``low`` to ``high`` it fails, outside ``warn_low`` to ``warn_high`` it warns. One that a
-    log cannot give (without truth, for example) is not known, and fails where it is ``required``.
+    A metric outside ``low`` to ``high`` fails, one outside ``warn_low`` to ``warn_high`` warns. A
+    metric that a log cannot give (without truth, for example) is not known, and fails where it is
+    ``required``. ``figure`` is the key of the metric.
     """
 
     figure: str
@@ -59,12 +60,14 @@ class Judgement(Limit):
 
 
 DEFAULTS: tuple[Limit, ...] = tuple(
-    Limit(key, *one.stop, one.required) for key, one in METRICS.items() if one.stop != (None,) * 4
+    Limit(key, *metric.stop, metric.required)
+    for key, metric in METRICS.items()
+    if any(end is not None for end in metric.stop)
 )
 """Limits of a stop when the user gives none, in the order of `calib/base/metrics.csv`.
 
-They judge the answer of an ECU: is it there, and does its interval agree with truth, or with the
-estimate with v? How large an error or an interval may be is for the user to say.
+They judge whether an ECU has an answer, and whether its interval agrees with the truth, or with the
+estimate with v. How large an error or an interval may be, the user decides.
 """
 
 

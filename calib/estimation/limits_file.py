@@ -1,11 +1,11 @@
-"""Limits of a validation as a TOML file.
+"""Read the limits of a validation from a TOML file.
 
     schema = 1
     [limits]
     valid_share = { min = 0.7 }
     pad_scale = { fail = [0.8, 1.2], warn = [0.9, 1.1], required = true }
 
-`min` and `max` are other words for the ends of ``fail``; `-inf` and `inf` leave an end open.
+``min`` and ``max`` are the ends of ``fail``, one by one. `-inf` and `inf` leave an end open.
 """
 
 from collections.abc import Collection
@@ -38,7 +38,7 @@ _Range = Annotated[list[float], Field(min_length=2, max_length=2), BeforeValidat
 
 
 class _LimitSection(Section):
-    """Range of a metric: ``min`` and/or ``max``, or ``fail``; inside it ``warn``."""
+    """Range of a metric: ``min`` and/or ``max``, or ``fail``; a range ``warn`` lies within it."""
 
     min: FiniteFloat | None = None
     max: FiniteFloat | None = None

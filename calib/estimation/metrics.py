@@ -1,7 +1,7 @@
-"""Metrics of an estimate: errors against truth where the log has it, else its consistency.
+"""Metrics of an estimate: errors against the truth where the log has one, else its consistency.
 
-Two answers are scored alike: the best one, by all channels, and that of an ECU without a speed,
-whose metrics begin with ``ecu_``.
+Two answers are scored alike: the best answer, by all channels, and the answer of an ECU without a
+speed, whose metrics begin with ``ecu_``.
 """
 
 from typing import Any, NamedTuple
@@ -26,9 +26,9 @@ _FEWEST = 30  # samples of a mean
 
 
 class Truth(NamedTuple):
-    """Truth of front and rear axle, (2, n): pad friction [1], torque of one wheel [N m].
+    """Truth of front and rear axle, (2, n): pad friction [1] and torque of one wheel [N m].
 
-    Pad friction is NaN where there is none to compare with.
+    Pad friction is NaN in samples in which it is not known.
     """
 
     pad_friction: Array
@@ -36,9 +36,9 @@ class Truth(NamedTuple):
 
 
 def truth_of(e: Estimate) -> Truth | None:
-    """Truth of both axles where its log has wheel torques; None otherwise.
+    """Truth of both axles if the log has the torque of its wheels, else None.
 
-    Without a truth channel for the pads it follows from (2) with the vehicle's geometry.
+    Without truth channels of the pads, their friction follows from (2) with the vehicle's geometry.
     """
     channels, car = e.ran.log.truth, e.car
     if "true_Tb_fl" not in channels or "true_Tb_rl" not in channels:
@@ -56,13 +56,13 @@ def truth_of(e: Estimate) -> Truth | None:
 
 
 _SIDES = ("f", "r", "level")
-"""Of what an answer is scored: pads and torque of an axle, or of both together."""
+"""Sides for which an answer is scored: each axle, and both together."""
 _NAMES = {
     "pad_friction_level": "pad_level",
     "torque_error_level": "level_error",
     "ecu_truth": "true",
 }
-"""Words of metrics that are not put together of metric and side."""
+"""Parts of the name of a metric that are not what metric and side together give."""
 
 
 def score(e: Estimate) -> Figures:
@@ -74,7 +74,7 @@ def score(e: Estimate) -> Figures:
         "valid_share": share(valid, counted),
         "ecu_valid_share": share(by_ecu, counted),
     }
-    # errors of prediction of blocks above 3 m/s after the lead-in
+    # innovations of blocks above 3 m/s after the lead-in
     b = e.blocks
     innovation = e.best.step.innovation[np.searchsorted(e.time, b.end)]
     innovation = innovation[np.isfinite(innovation) & ~b.lead_in & (b.speed > MOVING)]
@@ -83,9 +83,11 @@ def score(e: Estimate) -> Figures:
         figures["innovation_colour"] = np.mean(innovation[1:] * innovation[:-1])
     # torques of the best answer count wherever the brakes bite, those of the ECU where it is valid
     bites = counted & np.isfinite(e.best.pads_f.value)
-    for who, answer, holds, rows in (("", e.best, valid, bites), ("ecu_", e.ecu, by_ecu, by_ecu)):
-        for metric, values in _of_answer(answer, truth, holds, rows).items():
-            figures |= {f"{who}{metric}_{s}": x for s, x in zip(_SIDES, values, strict=True)}
+    answers = ("", e.best, valid, bites), ("ecu_", e.ecu, by_ecu, by_ecu)
+    for prefix, answer, of_pads, of_torques in answers:
+        for metric, values in _of_answer(answer, truth, of_pads, of_torques).items():
+            by_side = zip(_SIDES, values, strict=True)
+            figures |= {f"{prefix}{metric}_{side}": value for side, value in by_side}
     if valid.any():
         covered = np.maximum(*e.normalised) <= e.table.tyre.force[-1]
         figures["covered_share"] = share(covered, valid)
@@ -94,29 +96,29 @@ def score(e: Estimate) -> Figures:
     if e.blocks.v is not None and (comparable := valid & by_ecu).any():
         figures["ecu_reference_f"] = departure(e.ecu.pads_f, e.best.pads_f, comparable)
         figures["ecu_reference_r"] = departure(e.ecu.pads_r, e.best.pads_r, comparable)
-    for name, word in _NAMES.items():
-        figures = {key.replace(name, word): x for key, x in figures.items()}
+    for part, name in _NAMES.items():
+        figures = {key.replace(part, name): x for key, x in figures.items()}
     return {key: finite_or_none(figures.get(key)) for key in METRICS}
 
 
 def counted_samples(e: Estimate) -> Mask:
-    """Braked samples above 3 m/s (n,), of which the shares are."""
+    """Braked samples above 3 m/s (n,): the whole of which metrics tell a share."""
     return e.braked & (e.read.speed > MOVING)
 
 
 def share(part: Mask, whole: Mask) -> float:
-    """Share of the ``whole`` that is in ``part``, too [1]; 0 of nothing, which must not pass."""
+    """Share of the ``whole`` that is also in ``part`` [1]; 0 of nothing, which must not pass."""
     return float(np.sum(part & whole)) / max(float(np.sum(whole)), 1.0)
 
 
 def _of_answer(
     answer: Readout, truth: Truth | None, valid: Mask, counted: Mask
 ) -> dict[str, Array]:
-    """Metrics of the `_SIDES` (3,) over ``valid`` samples; of torques over ``counted`` ones."""
+    """Metrics by side (3,) over the ``valid`` samples; those of torques over ``counted`` ones."""
     metrics: dict[str, Array] = {}
     pads = np.array([answer.pads_f, answer.pads_r, answer.level])  # each with its bounds
     x = Bounded(*pads[..., valid].swapaxes(0, 1))
-    third = x.value.shape[1] // 3
+    third = x.value.shape[1] // 3  # samples in a third of the stop
     if 3 * third >= _FEWEST:
         first, last = x.value[:, :third].mean(axis=1), x.value[:, -third:].mean(axis=1)
         metrics["pad_friction"] = x.value.mean(axis=1)
@@ -145,18 +147,18 @@ def _of_answer(
 
 
 def departure(ecu: Bounded, best: Bounded, valid: Mask) -> float:
-    """Rms of ln(ecu/best) over the standard deviation of this difference [1].
+    """Rms of ln(ecu/best) over the standard deviation of this difference [1], ``valid`` samples.
 
-    Both are means over the same draws of the ramp, and ``best`` is given v as well. So
+    Both answers are means over the same draws of the ramp, and ``best`` knows v as well. So
 
-        var(best - ecu) = var(truth given what the ECU sees) - var(truth given v, too)
+        var(ln best - ln ecu) = var(ln truth | channels of the ECU) - var(ln truth | v as well)
 
-    and the common errors of the ramp drop out: v may contradict the maps, but cannot show that the
-    ramp was wrong. The deviation is at least half of the ECU's own: interpolated bounds need not
-    get narrower by v, and a smaller difference does no harm.
+    and the common errors of the ramp cancel: v may contradict the maps, but cannot show an error of
+    the ramp. The deviation counts as at least half of the ECU's own, since interpolated bounds need
+    not get narrower by v.
     """
-    deviation, other = ecu.sigma[valid], best.sigma[valid]
-    spread = np.sqrt(np.maximum(deviation**2 - other**2, (0.5 * deviation) ** 2))
+    of_ecu, of_best = ecu.sigma[valid], best.sigma[valid]
+    spread = np.sqrt(np.maximum(of_ecu**2 - of_best**2, (0.5 * of_ecu) ** 2))
     return float(_rms(np.log(ecu.value / best.value)[valid] / spread))
 
 
@@ -166,13 +168,13 @@ def _rms(x: Array) -> Array:
 
 
 def baseline_errors(e: Estimate) -> dict[str, tuple[float, float]]:
-    """Rms relative error of the pad friction by each method, front and rear, over valid samples.
+    """Rms relative error of front and rear pad friction by each method, over valid samples.
 
-    Without a truth, against the best estimate with v; without v there are none. A method that
-    gives NaN is left out.
+    Without a truth the errors are those against the best estimate with v; without v there are none.
+    A method that gives NaN is left out.
     """
     truth = truth_of(e)
-    best, ecu = ((of.pads_f.value, of.pads_r.value) for of in (e.best, e.ecu))
+    best, ecu = ((x.pads_f.value, x.pads_r.value) for x in (e.best, e.ecu))
     true = np.array(best) if truth is None else truth.pad_friction
     comparable = e.valid & np.isfinite(true).all(axis=0)
     if not comparable.any() or (truth is None and e.blocks.v is None):
@@ -186,11 +188,12 @@ def baseline_errors(e: Estimate) -> dict[str, tuple[float, float]]:
 def budget(e: Estimate) -> tuple[Parts, Parts] | None:
     """Budgets of the front and the rear pads: the variance of each, split by its cause.
 
-        ln mu = ln level + lever ratio        lever: share of the other axle in the brake force
+        ln mu = ln level + lever ln ratio     lever: share of the other axle in the brake force
 
-    Causes of the level: mass and resistance, accelerometer, noise. Of the ratio: errors of eta, of
-    tyres and pads after the ramp, and changes in a stop. Taken at the valid sample of each axle
-    with the median interval, whose variance the parts add up to. None without a valid sample.
+    Causes of errors of the level: mass and resistance, accelerometer, noise. Causes of errors of
+    the ratio: eta, tyres and pads on the ramp, and changes in the stop. The budget is that of the
+    valid sample with the median interval of the axle, to whose variance the parts add up. None
+    without a valid sample.
     """
     if not e.valid.any():
         return None
@@ -198,19 +201,21 @@ def budget(e: Estimate) -> tuple[Parts, Parts] | None:
 
 
 def _of_axle(e: Estimate, pads: Bounded, axle: int) -> Parts:
+    """Budget of the ``pads`` of an axle, 0 for the front one and 1 for the rear one."""
     step, draws = e.best.step, e.table.draws
     order = np.argsort(np.where(e.valid, pads.upper / pads.lower, np.inf), kind="stable")
     i = order[(np.count_nonzero(e.valid) - 1) // 2]  # the earlier one of an even number
     share = front_share(e.table.vehicle, float(step.ratio[0, i]))
     lever = (1.0 - share, share)[axle] ** 2
     ramp = lever * np.var(draws.log_pad_ratio)
-    whole, level = (x.sigma[i] ** 2 for x in (pads, e.best.level))
+    total, level = (x.sigma[i] ** 2 for x in (pads, e.best.level))
+    # the last cause of each takes the remainder of the variance
     of_level = ("accelerometer", step.accelerometer[i]), ("noise", step.noise[i]), ("mass", np.inf)
     of_ratio = ("zeros", lever * step.zeros[i]), ("tyres", ramp), ("unlike_pads", np.inf)
     parts = {}
-    for variance, causes in ((level, of_level), (whole - level, of_ratio)):
+    for variance, causes in ((level, of_level), (total - level, of_ratio)):
         unexplained = max(float(variance), 0.0)
-        for part, known in causes:  # the last one takes the remainder
+        for part, known in causes:
             parts[part] = min(float(known), unexplained)
             unexplained -= parts[part]
     return deviations(parts)

@@ -1,8 +1,9 @@
-"""What an ECU answers with a table: causal, with sensors that may fail.
+"""Compute what an ECU answers with a table: causal, with sensors that may fail.
 
-    samples --in range?--> signals --50 ms--> blocks --step of the table--> answer until the next
+    samples --check range--> signals --50 ms--> blocks --step of the table--> answer of a block
 
-It is ``ecu`` of `calib.estimation.estimator`, and the reference of the C code.
+An answer stands until the next block ends. `online` is ``ecu`` of `calib.estimation.estimator`, and
+the reference of the C code.
 """
 
 from dataclasses import replace
@@ -26,10 +27,11 @@ from calib.table.table import Table
 
 
 class Variable(NamedTuple):
-    """A variable of the ECU or of an FMU, in SI: a row of `variables.csv`, in their order.
+    """A variable of the ECU or of an FMU, in SI: a row of `variables.csv`, with its columns.
 
     A working sensor reads ``low`` to ``high``, and changes by at most ``jump`` + ``rate`` dt over a
-    time dt. ``estimator``, ``car``: causality and variability in the FMU of each, "" if not there.
+    time dt. ``estimator`` and ``car`` are causality and variability in the FMU of each, "" where
+    the FMU does not have the variable.
     """
 
     estimator: str
@@ -44,22 +46,23 @@ class Variable(NamedTuple):
 
 
 def _read(row: dict[str, str]) -> Variable:
+    """The variable of a row; an empty number is NaN."""
     estimator, car, name, unit, meaning, *numbers = row.values()
     return Variable(estimator, car, name, unit, meaning, *(float(x or "nan") for x in numbers))
 
 
 VARIABLES = {x.name: x for x in map(_read, rows("variables.csv", "calib.estimation"))}
 CHANNELS = {x.name: x for x in VARIABLES.values() if "input" in x.estimator}
-"""What an ECU reads at one time; a sample (11,) has this order, in Python and in C."""
+"""Channels that an ECU reads; a sample (11,) has this order, in Python and in C."""
 
 P_MC, A_X, FL, FR, RL, RR, STEERING, DRIVEN, *_, ABS_ACTIVE = range(len(CHANNELS))
 OMEGA, DRIVE = slice(FL, RR + 1), slice(DRIVEN + 1, DRIVEN + 3)
 
 REASON = VARIABLES.pop("reason")
 ANSWERS = {x.name: x for x in VARIABLES.values() if "output" in x.estimator}
-"""What is answered: (9, 3), each a median with its 95 % bounds, beside a `Reason`."""
+"""Quantities of an answer (9, 3), each a median with its 95 % bounds; a `Reason` is besides."""
 
-_LONGEST_GAP = 10.0  # [s]: all but the zeros is forgotten by then
+_LONGEST_GAP = 10.0  # gap of a log [s] that counts at most: all but the zeros is forgotten by then
 
 
 def rows_of(log: Log) -> Index:
@@ -70,7 +73,7 @@ def rows_of(log: Log) -> Index:
 
 
 def samples_of(log: Log) -> Array:
-    """What an ECU would read of a log (m, 11), by `CHANNELS`; NaN in its gaps."""
+    """Samples of a log as an ECU would read them (m, 11), by `CHANNELS`; NaN in its gaps."""
     rows = rows_of(log)
     samples = np.full((rows[-1] + 1, len(CHANNELS)), np.nan)
     nothing = np.zeros_like(log.time)
@@ -85,7 +88,8 @@ _FASTEST = 110.0  # speed that no car has [m/s]
 def limits(sample_time: float, car: Vehicle) -> tuple[Array, Array, Array]:
     """Least and largest readings of `CHANNELS`, and largest changes between calls, (11,) each.
 
-    ``sample_time`` between calls [s]. No motor has more torque than the tyres of the ``car`` take.
+    ``sample_time`` is the time between calls [s]. The torque of a motor is limited by the grip of
+    the tyres of the ``car``, the wheel speeds by that of the fastest car.
     """
     sensors = CHANNELS.values()
     low, high, jump, rate = np.array([(x.low, x.high, x.jump, x.rate) for x in sensors]).T
@@ -100,27 +104,28 @@ READ_OUT = tuple(FIELDS[name] for name in ANSWERS)
 
 
 def online(table: Table, car: Vehicle, log: Log) -> Readout:
-    """What an ECU with a ``table`` answers to a ``log``, of which it reads `CHANNELS` alone.
+    """Answers of an ECU with a ``table`` to a ``log``, of which it reads `CHANNELS` alone.
 
     ``car`` as driven, with the known effects that the ECU takes out; pad frictions include them.
     While a sensor fails, as in a gap of the log, its last good reading counts.
     """
     rows, step = rows_of(log), log.sample_time
-    _, x, works = held_readings(samples_of(log), limits(step, car))
+    _, readings, works = held_readings(samples_of(log), limits(step, car))
     good = works.all(axis=1)
-    time = step * np.arange(len(x), dtype=np.float64)
-    channels = {"time": time, **dict(zip(CHANNELS, x.T, strict=True))}
+    time = step * np.arange(len(readings), dtype=np.float64)
+    channels = {"time": time, **dict(zip(CHANNELS, readings.T, strict=True))}
     run = Run(replace(log, channels=channels), car, causal=True)
     b, corrected = run.blocks, run.corrected
     fault = block_mean(np.where(good, 0.0, 1.0), b.samples) > 0.0
-    # Spin is a difference of two blocks: a held reading spoils its own and the next one.
-    unsure = fault | np.append(False, fault[:-1])
-    spin_f = np.where(unsure, -G * b.z / car.front.rolling_radius, b.spin_f)
-    spin_r = np.where(unsure, -G * b.z / car.rear.rolling_radius, b.spin_r)
+    # Spin is a difference of two blocks, so a held reading makes that of its own block and of the
+    # next one wrong: both are taken from the deceleration.
+    wrong = fault | np.append(False, fault[:-1])
+    spin_f = np.where(wrong, -G * b.z / car.front.rolling_radius, b.spin_f)
+    spin_r = np.where(wrong, -G * b.z / car.rear.rolling_radius, b.spin_r)
     b, used = replace(b, spin_f=spin_f, spin_r=spin_r), as_driven(table, corrected.vehicle)
     disturbed_by = np.where(good, disturbances(used, corrected.log, run.signals), Reason.FAULT)
     readout = read_out(
-        used, SensorNoise(**table.noise), run.signals, b, disturbed_by, x[:, DRIVEN] > 0.5
+        used, SensorNoise(**table.noise), run.signals, b, disturbed_by, readings[:, DRIVEN] > 0.5
     )
     reason = np.where(good, readout.step.reason, Reason.FAULT)
     readout = readout.with_pads(corrected.factor_f, corrected.factor_r)
@@ -132,10 +137,10 @@ def online(table: Table, car: Vehicle, log: Log) -> Readout:
 
 
 def answered(table: Table, sample_time: float, samples: Array) -> Array:
-    """Reasons and answers (n, 28) to samples (n, 11), a block or more, as `bte_run` has them.
+    """Reasons and answers (n, 28) to ``samples`` (n, 11), a block or more, as `bte_run` has them.
 
-    ``sample_time`` of the ECU's task [s]. A row has a `Reason`, then `ANSWERS`, each a median with
-    its bounds; all are finite.
+    ``sample_time`` is that of the ECU's task [s]. A row has a `Reason`, then `ANSWERS`, each a
+    median with its bounds; all are finite.
     """
     time = sample_time * np.arange(len(samples), dtype=np.float64)
     channels = {"time": time, **dict(zip(CHANNELS, samples.T, strict=True))}
@@ -146,9 +151,10 @@ def answered(table: Table, sample_time: float, samples: Array) -> Array:
 def held_readings(
     x: Array, bounds: tuple[Array, Array, Array], last_readings: tuple[Array, Array] | None = None
 ) -> tuple[Array, Array, Mask]:
-    """Last readings in range, last good ones, and where a sensor works, of samples (n, 11).
+    """Last readings in range, last good readings, and whether sensors work, at samples ``x``.
 
-    ``bounds`` by `limits`; ``last_readings`` those before (11,), None at first.
+    All are (n, 11). A reading is good that is in range and no jump. ``bounds`` by `limits`;
+    ``last_readings`` in range and good ones before the samples, (11,) each, None at the start.
     """
     low, high, jump = bounds
     inside = (x >= low) & (x <= high)
@@ -161,6 +167,6 @@ def held_readings(
 
 
 def _last(x: Array, good: Mask, first: Array) -> Array:
-    """The last good values of columns (n, k), ``first`` (k,) before the first."""
+    """The last ``good`` value of each column of ``x`` (n, k); before the first, ``first`` (k,)."""
     rows = np.maximum.accumulate(np.where(good, 1 + np.arange(len(x))[:, None], 0))
     return np.take_along_axis(np.vstack([first, x]), rows, axis=0)

@@ -1,4 +1,4 @@
-"""A log through the step of the table: pad friction and torque of both axles, each with its bounds.
+"""Run a log through the step of a table: pad friction and torque of both axles, with bounds.
 
 signals --blocks--> step --> level, ratio --samples--> pads, torques, their sum
 """
@@ -40,9 +40,9 @@ class Bounded(NamedTuple):
         return np.log(self.upper / self.lower) / (2.0 * Z95)
 
     def deviations(self, true: Array) -> Array:
-        """Difference of its logarithm from that of ``true``, in standard deviations (n,).
+        """ln of value over ``true``, in standard deviations (n,): +-1.96 at the bounds.
 
-        By the half of the interval on that side: at a bound it is 1.96.
+        The standard deviation is that of the half of the interval on the side of the truth.
         """
         side = np.where(true > self.value, self.upper / self.value, self.value / self.lower)
         return np.log(self.value / true) / (np.log(side) / Z95)
@@ -50,13 +50,13 @@ class Bounded(NamedTuple):
 
 @dataclass(frozen=True)
 class Readout:
-    """What the step gives for each sample, (n,), and what follows for the pads and torques.
+    """The answer of the step for each sample, (n,), and the pads and torques by this answer.
 
     Pad frictions are without known effects, torques are those that act.
     """
 
-    inputs: Sample[Array]  # of the step, by block
-    step: Answer  # of the last whole block
+    inputs: Sample[Array]  # of the step, for each block
+    step: Answer  # for each sample that of the last whole block
     level: Bounded  # sum of the brake torques over that of the file's pads [1]
     ratio: Bounded  # front pads over rear ones [1]
     pads_f: Bounded  # pad friction [1]
@@ -87,10 +87,12 @@ class Readout:
         return replace(self, step=self.step.take(rows), **at_rows)
 
     def columns(self) -> dict[str, Array | Mask]:
-        """By the names of `UNITS`, in their order."""
-        fields = (getattr(self, name) for name in FIELDS.values())
-        parts = [x if isinstance(x, Bounded) else (x,) for x in fields]
-        return dict(zip(UNITS, itertools.chain(*parts), strict=True))
+        """The columns of an answer by the names of `UNITS`, in their order."""
+        columns: list[Array] = []
+        for name in FIELDS.values():
+            field = getattr(self, name)
+            columns += field if isinstance(field, Bounded) else [field]
+        return dict(zip(UNITS, columns, strict=True))
 
 
 FIELDS = (
@@ -119,22 +121,22 @@ def read_out(
 ) -> Readout:
     """Run the step of a ``table`` over the signals of a log.
 
-    The table's vehicle is as driven, with the pads of the file; ``b`` means of the signals over
-    blocks; ``disturbed`` as `disturbances` has it, (n,); ``driven`` while the accelerator is
-    pressed (n,).
+    The table's vehicle is as driven, with the pads of the file. ``b`` are means of the signals
+    ``s`` over blocks; ``disturbed`` (n,) as by `disturbances`; ``driven`` (n,) whether the
+    accelerator is pressed.
     """
-    whole = slice(b.end.size * b.samples)
+    in_blocks = slice(b.end.size * b.samples)
     worst, thrust = (
-        np.broadcast_to(x, s.time.shape)[whole].reshape(-1, b.samples).max(axis=1)
+        np.broadcast_to(x, s.time.shape)[in_blocks].reshape(-1, b.samples).max(axis=1)
         for x in (disturbed, driven)
     )
     x = step_inputs(table, b, worst, thrust)
     c = constants(table, noise, b.length)
     answer = with_before(c, run(c, x))
     block = np.searchsorted(b.end, s.time, side="right")  # the last complete one, 0 before any
-    level, ratio, pads_f, pads_r, *changed = (of[:, block] for of in of_blocks(table, x, answer))
-    torques = torques_of(table.vehicle, (s.p_f, s.p_r), level, (pads_f, pads_r))
-    bounded = level, ratio, pads_f, pads_r, *changed, *torques
+    bounded = [quantity[:, block] for quantity in of_blocks(table, x, answer)]
+    level, _, pads_f, pads_r, *_ = bounded
+    bounded += torques_of(table.vehicle, (s.p_f, s.p_r), level, (pads_f, pads_r))
     return Readout(x, answer.take(block), *itertools.starmap(Bounded, bounded))
 
 
@@ -170,7 +172,7 @@ def of_blocks(table: Table, x: Sample[Array], answer: Answer) -> tuple[Array, ..
 
 
 def with_before(c: Constants, answer: Answer) -> Answer:
-    """Answers (1 + k,), the first for the time before a block is complete: any pads."""
+    """Answers (1 + k,) of k blocks; the first, any pads, is for the time before a block ends."""
     answer = answer.take(np.append(0, np.arange(answer.reason.size)))
     for x in (answer.level, answer.ratio, answer.change):
         x[:, 0] = np.log([1.0, c.least_level, c.most_level])
@@ -179,9 +181,9 @@ def with_before(c: Constants, answer: Answer) -> Answer:
 
 
 def step_inputs(table: Table, b: Blocks, disturbed: Index, driven: Mask) -> Sample[Array]:
-    """Inputs of the step by block (k,), known resistance and slips taken out.
+    """Inputs of the step by block (k,), without known resistance and slips by known effects.
 
-    ``disturbed`` number of a `Reason` of each (k,); the others as of `read_out`.
+    ``disturbed`` is the number of a `Reason` of each block (k,); the others as in `read_out`.
     """
     car = table.vehicle
     brake_f, brake_r = brake_forces(car, b.p_f, b.p_r)
@@ -207,11 +209,11 @@ def step_inputs(table: Table, b: Blocks, disturbed: Index, driven: Mask) -> Samp
 
 
 def _pads_of(share: Array, level: Array, ratio: Array) -> Array:
-    """Front and rear pads over those of the file [1], each with bounds (2, 3, k).
+    """Front and rear pads over those of the file [1], each with bounds (2, 3, k), by (S14), (S15).
 
     ``share`` of the front axle with the file's pads (k,), ln of ``level`` and ``ratio`` (3, k).
-    Their errors are independent: distances to the bounds add up as squares.
+    Errors of level and ratio are independent: distances to the bounds add up as squares.
     """
     rear = -np.log(share * np.exp(ratio) + 1.0 - share)
-    parts = np.stack([ratio + rear, rear[[0, 2, 1]]])
-    return np.exp(np.stack([widened(level + x[0], x[0] - x) for x in parts]))
+    by_ratio = np.stack([ratio + rear, rear[[0, 2, 1]]])  # a higher ratio means weaker rear pads
+    return np.exp(np.stack([widened(level + x[0], x[0] - x) for x in by_ratio]))

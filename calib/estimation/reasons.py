@@ -1,4 +1,4 @@
-"""Why an answer is not valid: reasons of the step, and those that the signals alone show."""
+"""Reasons why an answer is not valid, and the reasons that the signals alone give."""
 
 from enum import IntEnum
 
@@ -15,9 +15,9 @@ from calib.table.table import Table
 
 
 class Reason(IntEnum):
-    """Why the answer of a block does not hold; 0 for one that does.
+    """Why the answer of a block is not valid; 0 for a valid one.
 
-    It says that the model does not hold, never that an interval is wide.
+    An answer is not valid where the model does not hold, never because its interval is wide.
     """
 
     words: str
@@ -49,11 +49,11 @@ CHECKS = {
     "far": "what was learned of a_x, or the demanded force, is as of no car",
     "no_zero": "what is read while nothing brakes is no zero",
 }
-"""What is asked of the innovations and the states; one that fails is `Reason.IMPLAUSIBLE`."""
+"""Checks of innovations and states, each with words for its failure: `Reason.IMPLAUSIBLE`."""
 
 
 def disturbances(table: Table, log: Log, s: Signals) -> Index:
-    """A `Reason` of each sample (n,): a bend, a locked wheel or ABS, also just before; else 0."""
+    """A `Reason` of each sample (n,): a bend; a locked wheel or ABS, until just before; else 0."""
     car, none = table.vehicle, np.zeros_like(s.time)
     slip = np.interp(s.z, table.tyre.force, table.tyre.slip)
     acceleration = lateral(log, s, car.track_width, slip=slip, height=car.cg_height)
@@ -69,11 +69,12 @@ def first_reason(
     steering: Array | float,
     sample_time: float,
 ) -> Index:
-    """The first `Reason` that applies to samples (n,), or to one; 0 where none does.
+    """The first `Reason` that applies to samples (n,), or to one sample; 0 where none applies.
 
-    Times since ABS and a lock [s], acceleration [m/s^2], angle of the driver's wheel [rad].
+    ``since_abs``, ``since_lock`` times since ABS worked and since a wheel locked [s]; lateral
+    ``acceleration`` [m/s^2]; ``steering`` angle of the driver's wheel [rad].
     """
-    c, half = Constants, 0.5 * sample_time  # of a sample: else a rounding could decide it
+    c, half = Constants, 0.5 * sample_time  # half a sample, else a rounding could decide
     turned = np.where(np.abs(steering) < c.steering, 0, Reason.TURNED)
     reason = np.where(np.abs(acceleration) >= c.lateral, Reason.CORNERS, turned)
     reason = np.where(since_lock <= c.recover + half, Reason.LOCKED, reason)
@@ -81,17 +82,19 @@ def first_reason(
 
 
 def _locks(log: Log, s: Signals) -> Mask:
-    """Where a wheel departs from the others, or from v, as only ABS or a locked wheel does.
+    """Samples (n,) in which a wheel is slower than the others, or than v, by `Constants.lock`.
 
-    Where the fastest one slows more than a road lets a car slow, all may lock.
+    All four wheels may lock together. So the fastest wheel counts as slowing by no more than a road
+    lets a car slow.
     """
-    read = (log[f"omega_{w}"] for w in WHEELS)
-    wheels = np.stack([np.append(x[0], median_of_three(x)[:-1]) for x in read])  # causal
+    channels = (log[f"omega_{w}"] for w in WHEELS)
+    # (4, n); the median of three samples is that of the one before, so that it is causal
+    wheels = np.stack([np.append(x[0], median_of_three(x)[:-1]) for x in channels])
     fastest = wheels.max(axis=0)
-    if s.v is not None and s.lead_in.any():  # all four may lock together
+    if s.v is not None and s.lead_in.any():
         per_speed = float(np.mean(fastest[s.lead_in]) / np.mean(s.v[s.lead_in]))
         fastest = np.maximum(fastest, per_speed * s.v)
-    slows = Constants.slows * np.append(s.time[0], s.time[:-1])
-    fastest = np.maximum.accumulate(fastest + slows) - slows
+    slowed = Constants.slows * np.append(s.time[0], s.time[:-1])
+    fastest = np.maximum.accumulate(fastest + slowed) - slowed
     apart = fastest - wheels.min(axis=0) > Constants.lock * np.maximum(fastest, 1.0)
     return np.asarray(apart & (fastest > Constants.turning))

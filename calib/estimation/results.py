@@ -1,4 +1,4 @@
-"""Results of a validation: one row per sample as Parquet, and the summary as JSON.
+"""Write the results of a validation: one row per sample as Parquet, and the summary as JSON.
 
 Units are in the metadata of each column, so that any Parquet reader can show them. Files are
 written completely or not at all.
@@ -30,7 +30,7 @@ def to_dict(
 ) -> dict[str, object]:
     """`summary.json`: metrics, judgements and baselines of every log, and the verdict.
 
-    ``how`` the table was exported; None for its full maps.
+    ``how`` is the precision with which the table was exported, None for its full maps.
     """
     together, ramp = agreement(results), stored.table.calibration
     warnings = [*stored.table.warnings, *(w for r in results for w in r.all_warnings)]
@@ -52,12 +52,13 @@ def to_dict(
 
 
 def unseen_in(stored: Stored, results: Sequence[Validation]) -> list[Unseen]:
-    """Entries of the vehicle file that neither ramp nor stops show to be wrong."""
-    v = any(r.estimate.blocks.v is not None for r in results)
-    return unseen_entries(stored.table, v, results[0].mass.tolerance if results else None)
+    """Entries of the vehicle file whose errors neither ramp nor stops can show."""
+    with_v = any(r.estimate.blocks.v is not None for r in results)
+    return unseen_entries(stored.table, with_v, results[0].mass.tolerance if results else None)
 
 
 def _of_log(r: Validation) -> dict[str, object]:
+    """The entry of one log in `summary.json`."""
     return {
         "log": r.log,
         "digest": r.digest,

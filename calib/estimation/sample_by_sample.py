@@ -1,6 +1,8 @@
-"""The estimator of an ECU sample by sample, for tests in a loop: the equations of `online`.
+"""Run the estimator of an ECU sample by sample, for tests in a closed loop.
 
-sample --in range?--> sums of a block --50 ms--> step of the table --> answer until the next
+sample --check range--> readings of a block --50 ms--> step of the table --> answer of a block
+
+The equations and answers are those of `calib.estimation.online`.
 """
 
 import math
@@ -43,7 +45,7 @@ _MEANS = (
     "p_f", "p_r", "drive_f", "drive_r", "z", "omega_f", "omega_r", "speed", "end", "spin_f",
     "spin_r",
 )  # fmt: skip
-"""Of `Blocks`, in the order in which they are computed here."""
+"""Fields of `Blocks` in the order in which `_block_ends` computes them."""
 
 
 class Online:
@@ -66,9 +68,9 @@ class Online:
         self._block_ends(with_answer=False)
 
     def step(self, sample: Mapping[str, float]) -> dict[str, float]:
-        """Take in a sample, SI by the names of a log; a channel that is missing reads 0.
+        """Take in a sample and return the `Reason` and `ANSWERS` with bounds, by the names of C.
 
-        Returns the `Reason` and `ANSWERS` with their bounds, by the names of C.
+        ``sample`` is in SI by the names of a log; a channel that is missing reads 0.
         """
         x = np.array([sample.get(name, 0.0) for name in CHANNELS])
         in_range, last, works = (y[0] for y in held_readings(x[None], self._limits, self._readings))
@@ -91,7 +93,7 @@ class Online:
         return {"reason": float(self._reason if good else Reason.FAULT), **answers}
 
     def _disturbance(self, x: Array) -> int:
-        """The `Reason` by good readings (11,), as `disturbances` has it."""
+        """Number of the `Reason` by good readings ``x`` (11,), as `disturbances` has it."""
         c, car = self._c, self._table.vehicle
         self._wheels = [*(self._wheels or [x[OMEGA]] * 2), x[OMEGA]][-3:]
         first, last, now = self._wheels
@@ -111,7 +113,7 @@ class Online:
         return int(first_reason(*signals, self._dt))
 
     def _block_ends(self, *, with_answer: bool = True) -> None:
-        """Answer by the means of a block, or before the first."""
+        """Take in the means of a block and answer; ``with_answer`` False before the first block."""
         x = np.array(self._rows or [np.zeros(len(CHANNELS))])
         fault, why = Reason.FAULT in self._why, max(self._why, default=0)
         thrust = x[:, DRIVEN].max() > 0.5
@@ -141,7 +143,7 @@ class Online:
 def online(table: Table | Stored, sample_time: float) -> Online:
     """An estimator that takes in one sample after the other, as in an ECU.
 
-    Raises StoreError as `require_plain`.
+    ``sample_time`` is the time between samples [s]. Raises StoreError as `require_plain`.
 
     >>> import calib
     >>> logs = calib.sample_logs() / "simulation_study"

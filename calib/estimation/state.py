@@ -1,4 +1,7 @@
-"""State of the step, and its input of a block."""
+"""State of the step, and `Sample`, its input of a block.
+
+The classes are those of the C code, too: `calib.ecu.translation` reads their fields.
+"""
 
 from collections import deque
 from collections.abc import Sequence
@@ -8,17 +11,17 @@ from typing import Generic, NamedTuple, TypeVar
 from calib.base.arrays import Array
 
 Number = TypeVar("Number", float, Array)
-"""Of one block, or of each of many (k,)."""
+"""Type of a quantity: a number for one block, an array (k,) for many."""
 
 
 class Sample(NamedTuple, Generic[Number]):
     """Means over a block, SI."""
 
     demand: Number  # brake force that the deceleration demands, over the weight [1]
-    nominal: Number  # that of nominal pads [1]
-    pressure: Number  # the higher one [Pa]
-    z: Number
-    eta_less_1: Number  # as read [1]; eta is near 1, where float32 is coarse
+    nominal: Number  # brake force of nominal pads, over the weight [1]
+    pressure: Number  # of the axle with the higher one [Pa]
+    z: Number  # deceleration [1]
+    eta_less_1: Number  # eta - 1 with its zero [1]; float32 is coarse near 1
     rim: Number  # speed of the front wheels' rims [m/s]
     rear_share: Number  # of the load [1]
     v: Number  # [m/s], NaN where not logged
@@ -88,19 +91,19 @@ class Means:
 class Check:
     """Evidence of the innovations: whether brakes, a_x, a motor or ABS are their cause."""
 
-    level: float = 0.0  # before a step [1]
-    error: float = 0.0  # of a_x, if the pads did not change [1]
-    v: float = 0.0  # and by how much the states of the speed are off then
+    level: float = 0.0  # of the pads before a step [1]
+    error: float = 0.0  # error of a_x, if the pads did not change [1]
+    v: float = 0.0  # errors of the states of `SpeedFilter` by that error
     slip: float = 0.0
     offset: float = 0.0
     scale: float = 0.0
-    ratio: float = 0.0  # log likelihood ratio of that
-    drive: float = 0.0  # force of motors, as it was [1]
+    ratio: float = 0.0  # log likelihood ratio of an error of a_x over none
+    drive: float = 0.0  # mean of the force of motors, which forgets [1]
     chatter: float = 0.0  # mean of the squared innovations
-    refused: float = 0.0  # zeros in a row that are none
+    refused: float = 0.0  # number of implausible zeros in a row
     failing: float = 0.0  # `CHECKS` that fail now, one bit each
     failed: float = 0.0  # `CHECKS` that failed last
-    since: float = 0.0  # time since then [s]
+    since: float = 0.0  # time since a check failed last [s]
 
 
 @dataclass(slots=True)
@@ -119,18 +122,19 @@ class State:
     errs: bool = False  # whether a_x is wrong, by the innovations
     waiting: deque[Sample[float]] = field(default_factory=deque)
     nominal: float = 0.0  # brake force of nominal pads over the weight [1]
-    acting: float = 0.0  # the same behind the lag [1]
-    by_lag: float = 0.0  # change of `acting` with the lag [1/s]
-    z: float = 0.0
+    acting: float = 0.0  # brake force of nominal pads behind the lag, over the weight [1]
+    by_lag: float = 0.0  # derivative of `acting` by the lag [1/s]
+    z: float = 0.0  # deceleration of the last block [1]
     braked: float = 0.0  # time of this stop [s]
     released: float = 0.0  # [s]
     means: Means = field(default_factory=Means)
-    mean_z: float = 0.0
+    mean_z: float = 0.0  # mean of z in `means`, at least `Constants.least_mean_z` [1]
     share: float = 0.0  # of the pressure that acts [1]
     innovation: float = 0.0  # of the wheels where they count, in standard deviations
     checks: float = 0.0  # `CHECKS` that fail or just failed, one bit each
 
-    # The best informed ratio and its change, their lower and upper bounds, variance by reading.
+    # The held ratio: ln of the ratio and its change since the ramp, lower bounds of both, upper
+    # bounds of both, and the variance by the errors of the reading.
     held_ratio: Sequence[float] = (*(0.0,) * 2, *(-1e3,) * 2, *(1e3,) * 2, 0.0)
     age: float = 0.0  # of the held ratio [s]
     level_then: float = 0.0  # [1]

@@ -1,11 +1,12 @@
 r"""The estimator of the table: one step for each block of 50 ms, causal, with fixed memory.
 
     block --filters--> state: level, slip, means of z and eta - 1
-          ----map----> level, and ln of the pads' ratio given eta and slip, with 95 % bounds
-          ----hold---> the ratio with the narrowest bounds so far, whose variance grows with age
+          --maps-----> level, and ln of the pads' ratio by eta and slip, with 95 % bounds
+          --hold-----> the ratio with the narrowest bounds so far, whose variance grows with age
 
-The filters are in `calib.estimation.equations`, but for zeros, v and the held ratio. The rest is
-without memory, for one block or those of a whole log.
+`follow` runs the filters on one block; their equations are in `calib.estimation.equations`, but for
+zeros, v and the held ratio. `_answers` reads the maps for one block or for those of a whole log.
+`step` does both for one block, `run` for a whole log. (S1) to (S16) are on `calib/manual/step.md`.
 """
 
 import math
@@ -42,22 +43,22 @@ from calib.estimation.state import Sample, State
 class Answer(NamedTuple):
     """Answer to each block: medians with their 95 % bounds, (3, k), or one number, (k,)."""
 
-    level: Array  # ln of the pads' level
-    ratio: Array  # ln of the ratio of the pads over that of the file's
-    change: Array  # of this ratio since the ramp
+    level: Array  # ln of the pads' level, with bounds
+    ratio: Array  # ln of the ratio of the pads over that of the file's, with bounds
+    change: Array  # change of this ratio since the ramp, with bounds
     noise: Array  # variance of the level by noise
     accelerometer: Array  # variance of the level by a_x
-    zeros: Array  # variance of the ratio by errors of eta, of slip, and by age
-    slip: Array  # ln(slip/z)
+    zeros: Array  # variance of the ratio by errors of eta and slip, and by age
+    slip: Array  # ln(slip/z), and its standard deviation
     slip_sigma: Array
-    zero_eta: Array  # what eta reads while nothing brakes, and the slip of all wheels
+    zero_eta: Array  # eta and the slip of all wheels that are read while nothing brakes
     zero_slip: Array
     diagnosis: Array  # bits of `calib.estimation.reasons.CHECKS` that fail
     innovation: Array  # of the wheels, in standard deviations; NaN where they do not count
     reason: Array  # a `Reason`
 
     def take(self, places: int | Index) -> "Answer":
-        """The answers at some blocks."""
+        """The answers at the blocks ``places``."""
         return Answer(*(np.take(x, places, axis=-1) for x in self))
 
 
@@ -82,7 +83,10 @@ def follow(c: Constants, s: State, x: Sample[float]) -> BlockState[float]:
 
 
 def _roll(c: Constants, s: State, x: Sample[float], *, counts: bool) -> None:
-    """Update the zeros by blocks that lie far enough before a bite."""
+    """Update the zeros by blocks that lie far enough before a bite, (S3).
+
+    A block of a rolling car waits for `Constants.before_bite`, and counts if no brake bit then.
+    """
     s.demand.variance = min(s.demand.variance + c.walk_bias, c.var_zero)
     s.eta_less_1.variance = min(s.eta_less_1.variance + c.walk_radius, c.var_zero)
     s.zero_slip.variance = min(s.zero_slip.variance + c.walk_radius, c.var_zero)
@@ -102,6 +106,7 @@ def _roll(c: Constants, s: State, x: Sample[float], *, counts: bool) -> None:
 
 
 def _update_speed(c: Constants, s: State, x: Sample[float]) -> None:
+    """Update the speed by v of a block, in time and with the zero of the slip."""
     v = s.rim + s.speed.v
     variance = (c.noise_v**2 + 1e-8) / c.block + v**2 * s.zero_slip.variance
     variance += (G * x.z * c.late_sigma) ** 2
@@ -116,7 +121,7 @@ def step(c: Constants, s: State, x: Sample[float]) -> Answer:
 
 
 def run(c: Constants, x: Sample[Array]) -> Answer:
-    """The answers of `step` to each block of a run (k,), from the start."""
+    """The answers that `step` gives to the blocks of a run (k,), from the first one on."""
     s = started(c)
     rows = zip(*(column.tolist() for column in x), strict=True)
     states = chain.from_iterable(follow(c, s, Sample(*row)) for row in rows)
@@ -125,7 +130,7 @@ def run(c: Constants, x: Sample[Array]) -> Answer:
 
 
 def _answers(c: Constants, s: State, x: Sample[Array], state: BlockState[Array]) -> Answer:
-    """Answer each block (k,), as `follow` left it."""
+    """Answer each block (k,) by its ``state`` after `follow`."""
     new = state.blocks == 0.0
     z = np.where(new, c.usual_z, state.z)
     shift = state.shift / z
@@ -149,9 +154,9 @@ def _answers(c: Constants, s: State, x: Sample[Array], state: BlockState[Array])
 
 
 def widened(x: Array, more: Array) -> Array:
-    """A median and its bounds (3, ...), their distances increased by ``more``, added as squares.
+    """A median and its bounds (3, ...), with distances that are increased by ``more`` as squares.
 
-    ``more`` of both bounds alike (...), or of each, behind that of the median (3, ...).
+    ``more`` is a distance of both bounds (...), or one of each (3, ...), whose first is not used.
     """
     away = np.hypot(x - x[0], more)
     return np.stack([x[0], x[0] - away[1], x[0] + away[2]])
@@ -166,9 +171,11 @@ def _ratio(
 ) -> tuple[Array, Array]:
     """Medians and bounds of ln of the ratio and of its change (3, 2, k); variance by reading (k,).
 
-    ``point`` on the three axes of the map, ``errors`` of the last two. The more the map narrows the
-    prior, the more it counts; where eta is not ``readable``, the prior alone.
+    ``point`` is the place on the three axes of the map, (k,) each; ``errors`` are those of the last
+    two axes. The more the map narrows the prior, the more it counts, (S11); where eta is not
+    ``readable``, the prior counts alone.
     """
+    # read the map at the point, and a step to either side on the axes of eta and slip
     steps = np.minimum(errors[0], c.pads.width(1, point[1])), np.minimum(errors[1], 1.0)
     places = np.repeat(np.stack(point)[:, None], 5, axis=1)
     places[1, 1:3] += np.multiply.outer((-1.0, 1.0), steps[0])
@@ -180,11 +187,11 @@ def _ratio(
         now, zeros = widened(now, more), zeros + (more[0] / Z95) ** 2
     narrowed = (now[2, 0] - now[1, 0]) / (prior[2, 0] - prior[1, 0])  # width over the prior's
     each = zip(narrowed.tolist(), readable.tolist(), strict=True)
-    share = np.array([share_of(c, width, 1.0) if counts else 0.0 for width, counts in each])
+    share = np.array([share_of(c, width, 1.0) if reads else 0.0 for width, reads in each])
     now, zeros = prior + share * (now - prior), share * zeros
     of_prior = 1.0 + share * (narrowed - 1.0)
-    # less log_odds, the ratio of the brake forces is that of the pads; as far as its variance is
-    # still that of the prior, it moves to the pads of the ramp
+    # The map has the ratio of the brake forces; less log_odds it is that of the pads. As far as its
+    # variance is still that of the prior, it is drawn to the pads of the ramp.
     now[:, 0] += of_prior**2 * (log_odds - prior[0, 0] + c.ramp_ratio) - log_odds
     return now, zeros
 
@@ -192,9 +199,10 @@ def _ratio(
 def _keep(
     c: Constants, s: State, now: Array, zeros: Array, level: Array, flags: tuple[Mask, Mask]
 ) -> tuple[Array, Array]:
-    """The ratio with the narrowest bounds so far, at each block, shaped as by `_ratio`.
+    """The held ratio at each block, shaped as by `_ratio`: the narrowest so far, (S12).
 
-    ``flags`` (k,): blocks before a stop, which reset it, and those that add a reading.
+    ``now`` and ``zeros`` are the readings of `_ratio`; ``flags`` (k,) whether a block is before a
+    stop, which resets the held ratio, and whether its reading may be taken in.
     """
     ratios, more_variance = [], []
     rows = np.vstack([now.reshape(6, -1), zeros]).T.tolist()
@@ -205,7 +213,7 @@ def _keep(
         else:
             grown = held_variance(c, s, a)
         if adds and not new:
-            middle, _, low, _, high, *_ = s.held_ratio
+            middle, _, low, _, high, *_ = s.held_ratio  # of the ratio; the others are of its change
             more = Z95 * math.sqrt(grown)
             width = math.hypot(middle - low, more) + math.hypot(high - middle, more)
             share = share_of(c, row[4] - row[2], width)

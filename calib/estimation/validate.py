@@ -1,9 +1,10 @@
-"""`brake-cal validate`: the estimator on hold-out logs, its metrics and the verdict.
+"""Validate a table: run the estimator on hold-out logs, and judge its metrics.
 
-table, log -> estimate -> metrics -> judged against limits
+table, log -> estimate -> metrics -> judgements by limits -> verdict
 
-The verdict is on the answer of an ECU with the table as exported. True torques prove it; a speed v
-can only contradict it, as both rest on one ramp; without either it is consistent, not proved.
+The verdict is on the answer of an ECU with the table as exported. True torques prove the table. A
+speed v can only contradict it, since the estimates with and without v rest on the same ramp.
+Without either the answer is consistent, not proved.
 """
 
 from collections.abc import Callable, Iterable
@@ -36,18 +37,18 @@ _PROOFS = {TRUTH: "ecu_normalised_error_f", REFERENCE: "ecu_reference_f"}
 _NAMED = 0.1  # share of the braked samples from which a reason for not being valid is named
 
 Coded = Callable[[Estimate, Log], Readout]
-"""Runs the C code on a log, and returns ``ecu`` of its estimate."""
+"""Function that runs the C code on a log with an estimate, and returns the ``ecu`` of the code."""
 
 NO_HOLDOUT = "the table was fitted on this log: it is no hold-out and proves nothing"
 
 
 @dataclass(frozen=True)
 class Validation(Viewable):
-    """One log: its estimate, its metrics, its judgements, and what stands beside them.
+    """The validation on one log: its estimate, metrics and judgements.
 
-    ``role`` is `HOLDOUT`, or `CALIBRATION` for a log on which the table was fitted: it validates
-    nothing, so it does not pass. ``mass`` is what the estimate rests on; ``warnings`` what speaks
-    against it.
+    ``role`` is `HOLDOUT`, or `CALIBRATION` for a log on which the table was fitted; such a log
+    validates nothing, so it does not pass. ``mass`` is that of the estimate, ``warnings`` are those
+    of log and estimate.
     """
 
     log: str
@@ -71,14 +72,16 @@ class Validation(Viewable):
 
     @property
     def proof(self) -> str:
-        """What the log held against the ECU: `TRUTH`, `REFERENCE` or `NONE`."""
+        """What the log proves the ECU with: `TRUTH`, `REFERENCE` or `NONE`."""
         proofs = (proof for proof, metric in _PROOFS.items() if self.figures[metric] is not None)
         return next(proofs, NONE) if self.role == HOLDOUT else NONE
 
     @property
     def word(self) -> str:
-        """The verdict as it is told: `CONSISTENT` where nothing was there to prove it."""
-        return FAILED if not self.passed else CONSISTENT if self.proof == NONE else PASSED
+        """The verdict in a word: `FAILED`, `PASSED`, or `CONSISTENT` where nothing proves it."""
+        if not self.passed:
+            return FAILED
+        return CONSISTENT if self.proof == NONE else PASSED
 
     @property
     def all_warnings(self) -> tuple[PlausibilityWarning, ...]:
@@ -98,17 +101,17 @@ class Validation(Viewable):
 
     @cached_property
     def baselines(self) -> dict[str, tuple[float, float]]:
-        """Rms errors of the pads by all methods, which a batch need not wait for."""
+        """Rms errors of the pads by all methods, computed only where they are asked for."""
         return baseline_errors(self.estimate)
 
     @cached_property
     def budget(self) -> tuple[Parts, Parts] | None:
-        """What the intervals of front and rear pads are made of; None without a valid sample."""
+        """Budgets of the intervals of front and rear pads; None without a valid sample."""
         return budget(self.estimate)
 
     @property
     def compared_with(self) -> str:
-        """What the errors of the baselines are against: `TRUTH`, `REFERENCE` or `NONE`."""
+        """What the baselines are compared with: `TRUTH`, `REFERENCE` or `NONE`."""
         return TRUTH if "estimate" in self.baselines else REFERENCE if self.baselines else NONE
 
 
@@ -125,9 +128,9 @@ def validate(
 
     Parameters
     ----------
-    table : the one to be validated, or a version of it in a store.
-    logs : hold-outs; a log on which the table was fitted is marked and validates nothing.
-    vehicle : nominal pads other than the table's; must be the same car in all else.
+    table : the table to validate, or a version of it in a store.
+    logs : hold-outs. A log on which the table was fitted is marked, and validates nothing.
+    vehicle : the same car with other nominal pads than the table's.
     limits : of the metrics, for pass or fail.
     mass : of the car in these logs [kg], if it is not that of the table's vehicle.
     exported : the table as an ECU reads it, see `calib.table.exported`; else its full maps.
@@ -160,7 +163,7 @@ def validate_one(
     exported: Table | None = None,
     coded: Coded | None = None,
 ) -> Validation:
-    """Run, score and judge one log; with ``coded`` the answers of the C code count."""
+    """Run, score and judge one log; with ``coded`` the ECU's answers are those of the C code."""
     run = run_of(table, log, vehicle, mass)
     if vehicle is not None:
         require_same_car(table.vehicle, vehicle, weighed=mass is not None)
@@ -169,7 +172,7 @@ def validate_one(
     if coded is not None:
         result = replace(result, ecu=coded(result, log))
     warnings = warnings_of(result, run)
-    unfit = (one.causes[0] for one in warnings if makes_void(one, VALIDATE))
+    unfit = (warning.causes[0] for warning in warnings if makes_void(warning, VALIDATE))
     result = replace(result, unfit=tuple(unfit))
     figures = score(result)
     return Validation(

@@ -1,9 +1,13 @@
-"""What speaks against an estimate although it is valid: the likely sensor or part, by name.
+"""Warn of sensors and parts that make an estimate doubtful although it is valid.
 
-Exchanged axles show 1/eta. The likelihoods of eta and of 1/eta over z are compared, each a mean
-over the scenarios of `calib.fitting.maps`. A front wheel exchanged with the rear one of the other
-side leaves eta flat and the sides apart, see `calib.run.exchanged_wheels`; wheels of one side are
-refused before a stop is estimated.
+`warnings_of` collects the warnings of all rules for a validation. Three groups are made here:
+
+* Exchanged axles show 1/eta. The likelihoods of eta and of 1/eta over z are compared, each a mean
+  over the scenarios of `calib.fitting.maps`.
+* A front wheel exchanged with the rear wheel of the other side leaves eta flat and the sides apart,
+  see `calib.run.exchanged_wheels`. Exchanged wheels of one side are refused before an estimate.
+* Mistakes that explain a stop better than other pads do, see `calib.fitting.mistakes`. They are
+  compared only where something hints at one, since that takes as long as the rest of a stop.
 """
 
 import math
@@ -49,25 +53,26 @@ _BINS = np.array([0.05, 0.08, 0.12, 0.17, 0.24, 0.33, 0.45, 0.6, 1.0])
 """Decelerations [1] between which blocks are averaged."""
 _Z = np.geomspace(_BINS[0], _BINS[-1], 25)
 """Decelerations [1] between which scenarios are linear: near its peak a tyre is not for long."""
-_COUNT = 4096  # of scenarios
-_FORM = 0.03  # of eta - 1, relative: forms of tyres, and loads that move late
+_COUNT = 4096  # number of scenarios
+_FORM = 0.03  # relative error of eta - 1 by forms of tyres, and by loads that follow late [1]
 _FINEST = 5e-5  # least error of a mean of eta - 1 [1]
-_ASKS = {
+_HINTS = {
     *("level_changed", "pads_changed_apart", "unexplained_braking_force", "force_step"),
     *("braking_force_missing", "unexplained_drag", "a_x_by_wheels", "v_of_wheels", "v_scale"),
 }
-"""Warnings after which mistakes are compared, which takes as long as the rest of a stop."""
-_FEWEST, _SURELY, _LATE, _BESIDE = 20, 4.0, 0.5 * DELAYS[0], 0.025
-"""From these on mistakes are compared: blocks of a braking, a delay of the wheels in sigma and [s],
-share of brake force beside the pressure [1]. Good stops have delays of up to 6 ms, by the form of
-the tyres; at 13 ms none is named yet, at 20 ms 8 ms and more are seen."""
+"""Codes of warnings after which mistakes are compared."""
+_FEWEST = 20  # braked blocks from which on a delay of the wheels is estimated
+_LATE_SIGMA, _LATE = 4.0, 0.5 * DELAYS[0]
+"""Delay of the wheels from which on mistakes are compared [sigma], [s]. Good stops show up to 6 ms,
+by the form of the tyres; a delay of 20 ms shows as 8 ms or more."""
+_NOT_BY_PRESSURE = 0.025  # share of the brake force from which on mistakes are compared [1]
 _ZEROED, _NOT_ZEROED = 5e-5, 0.01  # sigma of the zero of eta [1], with a lead-in and without
 
 
 def warnings_of(e: Estimate, run: Run | None = None) -> tuple[PlausibilityWarning, ...]:
-    """All that speaks against an estimate, also what makes it void.
+    """All warnings of an estimate, also those that make it void.
 
-    ``run`` the log as read, if samples were filled into its gaps.
+    ``run`` is the log as read, if its gaps were filled for the estimate.
     """
     log_run = run or e.run
     resistance = known_resistance(e.table)
@@ -83,30 +88,35 @@ def warnings_of(e: Estimate, run: Run | None = None) -> tuple[PlausibilityWarnin
         i = int(np.flatnonzero(e.valid)[-1])
         middle, low, high = e.best.step.change[:, i].tolist()
         apart = middle, (high - low) / (2.0 * Z95)
-        of_table += of_changes(_together(e, resistance, i), apart)
-    does = VOID, WARN
+        of_table += of_changes(_level_change(e, resistance, i), apart)
+    kinds = VOID, WARN
     warnings = (
-        *warnings_on(evidence, VALIDATE, does),
-        *rule_warnings(log_run.log.name, of_table, VALIDATE, does),
+        *warnings_on(evidence, VALIDATE, kinds),
+        *rule_warnings(log_run.log.name, of_table, VALIDATE, kinds),
     )
-    asks = any(one.code in _ASKS for one in warnings) or share(e.valid, counted_samples(e)) <= 0.5
-    asks = asks or _beside_pressure(evidence) or _goes_with_time(e)
-    rolls = log_run.slipping is not None and not (
-        log_run.slipping.locked or log_run.slipping.cycles
+    is_hinted = (
+        any(warning.code in _HINTS for warning in warnings)
+        or share(e.valid, counted_samples(e)) <= 0.5
+        or _is_beside_pressure(evidence)
+        or _is_late(e)
     )
-    named = _mistakes(e, resistance, evidence) if asks and rolls else ()
+    slipping = log_run.slipping
+    rolls = slipping is not None and not (slipping.locked or slipping.cycles)
+    named = _mistakes(e, resistance, evidence) if is_hinted and rolls else ()
     by_mistake = rule_warnings(log_run.log.name, named, VALIDATE)
     return (*unexplained(by_mistake, warnings), *warnings)
 
 
-def _beside_pressure(evidence: Evidence) -> bool:
-    """Whether some brake force does not follow the pressure, less than a warning needs."""
+def _is_beside_pressure(evidence: Evidence) -> bool:
+    """Whether a part of the brake force does not follow the pressure; less than a warning needs."""
     response = evidence.response
-    return response is not None and abs(response.share) > max(_BESIDE, 1.5 * response.share_sigma)
+    if response is None:
+        return False
+    return abs(response.share) > max(_NOT_BY_PRESSURE, 1.5 * response.share_sigma)
 
 
-def _goes_with_time(e: Estimate) -> bool:
-    """Whether a part of eta goes with z over the speed, as late wheel speeds make it."""
+def _is_late(e: Estimate) -> bool:
+    """Whether eta has a part in proportion to z over the speed, as late wheel speeds give."""
     b = e.blocks
     use = (np.maximum(b.p_f, b.p_r) > BITE) & (b.speed > MOVING)
     if np.count_nonzero(use) < _FEWEST or not b.lead_in.any():
@@ -116,11 +126,11 @@ def _goes_with_time(e: Estimate) -> bool:
     columns = np.stack([z, z**2, G * z / b.speed[use], np.ones_like(z)], axis=1) / sigma[:, None]
     solution = np.linalg.lstsq(columns, b.eta[use] / sigma)[0]
     sigma_delay = math.sqrt(np.linalg.pinv(columns.T @ columns)[2, 2])
-    return abs(float(solution[2])) > max(_LATE, _SURELY * sigma_delay)
+    return abs(float(solution[2])) > max(_LATE, _LATE_SIGMA * sigma_delay)
 
 
 def _mistakes(e: Estimate, resistance: Resistance, evidence: Evidence) -> Iterator[Measured]:
-    """Mistakes that explain a stop better than other pads than the ramp's, most probable first."""
+    """Yield mistakes that explain a stop better than other pads do, most probable first."""
     cal, car = e.table.calibration, e.run.car
     car = car.with_pads(cal.pad_friction_f.value, cal.pad_friction_r.value)
     car = replace(car, motor_odds=max(car.motor_odds, LEAST_ODDS))
@@ -131,10 +141,10 @@ def _mistakes(e: Estimate, resistance: Resistance, evidence: Evidence) -> Iterat
         return
 
 
-def _together(e: Estimate, resistance: Resistance, i: int) -> tuple[float, float]:
-    """ln of the brake force over that of the ramp's pads, at a sample; its sigma.
+def _level_change(e: Estimate, resistance: Resistance, i: int) -> tuple[float, float]:
+    """ln of the brake force over that of the ramp's pads [1] at sample ``i``, and its sigma.
 
-    The sigma does not count the mass: another load is what this would show.
+    The sigma is without that of the mass, so that another load shows.
     """
     best = e.best
     slowing = float(resistance.sigma_z(e.car, e.read.speed[i : i + 1])[0])
@@ -146,35 +156,36 @@ def _together(e: Estimate, resistance: Resistance, i: int) -> tuple[float, float
 
 
 def axles_exchanged(table: Table, e: Estimate) -> float:
-    """Logarithm of the likelihood of eta with the axles exchanged over that as given.
+    """ln of the likelihood ratio of exchanged axles over axles as given, by eta.
 
-    0 where the car never brakes, or brakes with the rear axle alone.
+    It is 0 where the car never brakes, or brakes with the rear axle alone.
     """
     z, shift, error = _curve(e)
     if not z.size or e.run.alone == "r":
         return 0.0
-    shown = _shown(table) @ np.stack([np.interp(z, _Z, hat) for hat in np.eye(_Z.size)])
+    # scenarios (n, k) at z, interpolated between `_Z`
+    predicted = _eta_rises(table) @ np.stack([np.interp(z, _Z, hat) for hat in np.eye(_Z.size)])
     zero = _ZEROED if e.read.lead_in.any() else _NOT_ZEROED
     whiten = np.linalg.cholesky(np.linalg.inv(np.diag(error**2) + zero**2))
     as_given, other = (
-        np.logaddexp.reduce(-0.5 * np.sum(((x - shown) @ whiten) ** 2, axis=1))
+        np.logaddexp.reduce(-0.5 * np.sum(((x - predicted) @ whiten) ** 2, axis=1))
         for x in (shift, 1.0 / (1.0 + shift) - 1.0)
     )
     return float(other - as_given)
 
 
 @lru_cache(maxsize=2)  # a batch has one table
-def _shown(table: Table) -> Array:
-    """Eta - 1 that stops with a table's car would show at `_Z` [1], (n, k)."""
+def _eta_rises(table: Table) -> Array:
+    """Eta - 1 of scenarios with a table's car at `_Z` (n, k) [1]."""
     car = table.vehicle
     stops = scenarios(car, ensemble_of(car, table.draws), _COUNT)
     return predict_stops(car, stops, _Z).eta_rise
 
 
 def _curve(e: Estimate) -> tuple[Array, Array, Array]:
-    """Demanded brake force over the weight, eta - 1 and its error, means within `_BINS`.
+    """Demanded brake force over the weight, eta - 1 and its error, (k,) each: means within `_BINS`.
 
-    Without wheels at their limit, which no scenario has.
+    Blocks with wheels at their limit are left out, since no scenario has them.
     """
     b, demanded = e.blocks, e.best.inputs.demand
     shift = (1.0 + e.best.inputs.eta_less_1) / e.zeros[0] - 1.0

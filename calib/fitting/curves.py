@@ -1,4 +1,4 @@
-r"""The curves of a table, from an ensemble: D(eta), f1 and f2(eta), g(slip).
+r"""Make the curves of a table from an ensemble: D(eta), f1(eta) and f2(eta), g(slip).
 
     z --(pads, loads)--> F_f, F_r --tyres--> eta          D = F_f - F_r          for every draw
 
@@ -34,8 +34,8 @@ from calib.table.curves import (
     TyreCurve,
 )
 
-_BAND = (0.5, 0.025, 0.975)
-_SURE = 0.00135  # a peak is sure if at most this share of the draws goes on rising: 3 sigma
+_BAND = (0.5, 0.025, 0.975)  # quantiles: median and the middle 95 %
+_STILL_RISING = 0.00135  # largest share of draws without the peak: 3 standard deviations
 
 
 def ramp_path(car: Vehicle, e: Ensemble, z: Array) -> SlipPrediction:
@@ -44,9 +44,9 @@ def ramp_path(car: Vehicle, e: Ensemble, z: Array) -> SlipPrediction:
 
 
 def find_peak(path: SlipPrediction) -> tuple[float, float, bool]:
-    """z and eta [1] at the peak of eta, and whether eta surely falls beyond it."""
+    """z and eta [1] at the peak of eta, and whether eta falls beyond it in nearly all draws."""
     top = int(np.argmax(path.eta))
-    falls = np.quantile(path.eta_rise[:, top] - path.eta_rise[:, -1], _SURE) > 0.0
+    falls = np.quantile(path.eta_rise[:, top] - path.eta_rise[:, -1], _STILL_RISING) > 0.0
     return float(path.z[top]), float(path.eta[top]), bool(falls)
 
 
@@ -60,7 +60,7 @@ def readable_up_to(path: SlipPrediction) -> float:
 def difference_curves(
     car: Vehicle, e: Posterior, runs: list[RampRun], z_end: float
 ) -> tuple[DifferenceCurve, PaperCurves]:
-    """D(eta) up to the deceleration ``z_end`` [1], and f1(eta), f2(eta) of Fig. 6 from it."""
+    """D(eta) up to the deceleration ``z_end`` [1], and f1(eta), f2(eta) of Fig. 6 from D(eta)."""
     path = ramp_path(car, e, np.linspace(0.0, z_end, SETTINGS.rows))
     eta = np.linspace(1.0, float(path.eta[-1]), SETTINGS.rows)
     measured = [_measured_eta(car, run, path) for run in runs]
@@ -69,7 +69,7 @@ def difference_curves(
 
 
 def _measured_eta(car: Vehicle, run: RampRun, path: SlipPrediction) -> Array:
-    """Eta [1] of the braked blocks (m,); where motors act, the eta that brakes alone would give."""
+    """Eta [1] of the braked blocks (m,). Where motors act, it is the eta by the brakes alone."""
     b, braked = run.blocks, run.braked
     if np.any(b.drive_f[braked]) or np.any(b.drive_r[braked]):
         z = run.braking[braked] / car.weight / (1.0 + sum(rotating_shares(car)))
@@ -88,27 +88,30 @@ def paper_of(car: Vehicle, d: DifferenceCurve, z: Array) -> PaperCurves:
 def tyre_curve(e: Posterior, path: SlipPrediction, runs: list[RampRun]) -> TyreCurve:
     """Normalised force over slip with half the weight on the axle.
 
-    Up to 1.1 times the force at the end of the ramp, and of a draw up to `NEAR_PEAK` of its peak.
+    It ends at 1.1 times the force at the end of the ramp. A draw ends at `NEAR_PEAK` of its peak,
+    and is constant beyond.
     """
     greatest = 1.1 * float(np.median(np.max(path.forces, axis=0)[:, -1]))
     end = np.median([np.interp(greatest, force, slip) for slip, force in _tyres(e)])
     grid = np.linspace(0.0, float(end), SETTINGS.rows)
-    slips = np.median(path.slips, axis=1)
-    measured = [np.interp(run.blocks.z[run.use], path.z, slip) for run in runs for slip in slips]
-    forces = np.array([np.interp(grid, x, g) for x, g in _tyres(e)])
+    axle_slips = np.median(path.slips, axis=1)  # (2, k)
+    measured = [np.interp(run.blocks.z[run.use], path.z, x) for run in runs for x in axle_slips]
+    forces = np.array([np.interp(grid, slip, force) for slip, force in _tyres(e)])
     return TyreCurve(*_columns(grid, forces, e, measured))
 
 
 def differences(path: SlipPrediction, eta: Array) -> Array:
     """D of the draws at ``eta`` (k,) on the rising branch of a path, (n, k) [1]."""
-    rows = zip(
-        np.maximum.accumulate(1.0 + path.eta_rise, axis=1), np.subtract(*path.forces), strict=True
-    )
-    return np.array([np.interp(eta, x, D) for x, D in rows])
+    rising = np.maximum.accumulate(1.0 + path.eta_rise, axis=1)
+    D = path.forces[0] - path.forces[1]
+    return np.array([np.interp(eta, of_eta, of_D) for of_eta, of_D in zip(rising, D, strict=True)])
 
 
 def _tyres(e: Ensemble) -> list[tuple[Array, Array]]:
-    """Slip and force (k,) of the mean tyre of both axles, by draw, up to near its peak."""
+    """Slip and normalised force (k,) of the mean tyre of the axles, one pair for each draw.
+
+    It ends at `NEAR_PEAK` of the peak.
+    """
     use = np.linspace(0.0, NEAR_PEAK, 2 * SETTINGS.rows)
     reach = e.peak * np.sqrt(e.compliance_f * e.compliance_r)
     slips = reach[:, None] * (inverse_forms(use) @ e.forms.T).T
@@ -116,18 +119,21 @@ def _tyres(e: Ensemble) -> list[tuple[Array, Array]]:
 
 
 def _columns(grid: Array, draws: Array, e: Posterior, measured: list[Array]) -> tuple[Array, ...]:
-    """Columns of a curve over ``grid`` (k,): median and band of ``draws`` (n, k), count, flag, own.
+    """Columns (k,) of a curve over ``grid`` (k,), in the order of its record.
 
-    The count is that of the measured blocks near each row; ``measured`` are their places.
+    These are the grid; median, lower and upper bound of ``draws`` (n, k); the count of blocks near
+    each row, from their ``measured`` places on the grid's axis; a flag; and the share of the
+    variance that another run would draw anew.
     """
     distance = np.abs(np.concatenate(measured) - grid[:, None])
     count = np.count_nonzero(distance < 1.5 * (grid[1] - grid[0]), axis=1).astype(np.float64)
     enough = count >= SETTINGS.min_count
     flags = np.full(grid.size, EXTRAPOLATED)
-    flags[: np.max(np.flatnonzero(enough), initial=-1) + 1] = INTERPOLATED  # 0 at 0 is known
+    # the first row is known: D and force are 0 there
+    flags[: np.max(np.flatnonzero(enough), initial=-1) + 1] = INTERPOLATED
     flags[enough] = MEASURED
     parts = parts_of(draws.T, e.pulls)
-    whole = np.sum([*parts.values()], axis=0)
+    total = np.sum([*parts.values()], axis=0)
     of_run = np.sum([parts[part] for part in PER_RUN], axis=0)
-    share = np.divide(of_run, whole, out=np.zeros(grid.size), where=whole > 0.0)
+    share = np.divide(of_run, total, out=np.zeros(grid.size), where=total > 0.0)
     return grid, *np.quantile(draws, _BAND, axis=0), count, flags, share

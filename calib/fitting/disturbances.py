@@ -1,4 +1,9 @@
-"""Blocks of a ramp that a bump or a gear shift disturbs, by its smooth course."""
+"""Leave out the blocks of a ramp that a bump or a gear shift disturbs.
+
+On a ramp eta and the demanded force follow the pressure smoothly. A block is disturbed where one of
+them is far off its smooth course. A disturbance that passes within the ramp would bend the tyre's
+curve, so its blocks take no part; one that lasts to the end of the ramp stays in.
+"""
 
 from dataclasses import replace
 
@@ -10,59 +15,64 @@ from calib.car.vehicle import Vehicle
 from calib.model.ramp import SETTINGS, RampRun, nominal_forces
 from calib.run.filters import true_intervals
 
-_MOST, _STAYS = 100, 1e-6
-"""Most least squares of a smooth course, and change over the least disturbance at which it ends."""
+_MOST_FITS, _CONVERGED = 100, 1e-6
+"""Largest number of least squares fits of a smooth course, and the change of its residuals, over
+the least disturbance, at which it has converged [1]."""
 
 
 def without_disturbances(vehicle: Vehicle, run: RampRun) -> RampRun:
-    """The ramp without the blocks of a bump or a gear shift, which ``left_out`` marks.
+    """The ramp without its disturbed blocks, which ``left_out`` marks.
 
-        eta             ~ 1, N, N^2, N^3, dN/dt, t     over the braked blocks, N nominal force
-        demanded force  ~ 1, N, N t, dN/dt
+    The smooth courses over the braked blocks are linear in these terms, with the nominal brake
+    force N over its largest value [1] and the time t over the length of the braking [1]:
 
-    Both follow the pressure smoothly. A deviation that passes within the ramp would bend the tyre's
-    curve; one that lasts to the end stays in.
+        eta             1, N, N^2, N^3, dN/dt, t
+        demanded force  1, N, N t, dN/dt
     """
     left_out = np.zeros_like(run.use)
     if np.count_nonzero(run.braked) >= SETTINGS.fewest_blocks:
-        nominal = np.add(*nominal_forces(vehicle, run, 0.0))
-        of_run = (run.blocks.end, run.blocks.eta, run.brake_sum, nominal)
-        time, eta, force, N = (x[run.braked] for x in of_run)
-        N = N / np.max(N)
+        B_f, B_r = nominal_forces(vehicle, run, 0.0)
+        of_run = (run.blocks.end, run.blocks.eta, run.brake_sum, B_f + B_r)
+        time, eta, force, nominal = (x[run.braked] for x in of_run)
+        N = nominal / np.max(nominal)
         t = (time - np.mean(time)) / np.ptp(time)
         rate, constant = np.gradient(N, time), np.ones_like(N)
-        spread = np.subtract(*np.quantile(eta, [0.95, 0.05]))
-        wild = _off([constant, N, N**2, N**3, rate, t], eta, SETTINGS.disturbance_of_eta * spread)
-        least = SETTINGS.disturbance_of_force * np.max(force)
-        wild |= _off([constant, N, N * t, rate], force, least)
-        left_out[run.braked] = _passing(wild, N)
+        low, high = np.quantile(eta, [0.05, 0.95])
+        least_eta = SETTINGS.disturbance_of_eta * (high - low)
+        least_force = SETTINGS.disturbance_of_force * np.max(force)
+        disturbed = _is_off([constant, N, N**2, N**3, rate, t], eta, least_eta)
+        disturbed |= _is_off([constant, N, N * t, rate], force, least_force)
+        left_out[run.braked] = _passing(disturbed, N)
     return replace(run, use=run.use & ~left_out, left_out=left_out)
 
 
-def _off(terms: list[Array], y: Array, least: float) -> Mask:
-    """Where ``y`` (n,) is off its smooth course by more than ``least`` and its usual scatter.
+def _is_off(terms: list[Array], y: Array, least: float) -> Mask:
+    """Whether ``y`` (n,) is off its smooth course by more than ``least`` and its usual scatter.
 
-    The course has the least sum of ln(1 + (residual/scale)^2), by least squares that are weighed
-    anew until they stay (Holland and Welsch 1977, doi:10.1080/03610927708827533).
+    The course minimises the sum of ln(1 + (residual/scale)^2), with a third of ``least`` as scale,
+    by iteratively reweighted least squares (Holland and Welsch 1977,
+    doi:10.1080/03610927708827533).
     """
     A, residual = np.column_stack(terms), np.zeros_like(y)
-    for _ in range(_MOST):
+    for _ in range(_MOST_FITS):
         root = 1.0 / np.hypot(1.0, residual / (least / 3.0))
-        last, course = residual, np.linalg.lstsq(A * root[:, None], y * root, rcond=None)[0]
-        residual = A @ course - y
-        if np.max(np.abs(residual - last)) < _STAYS * least:
+        last, factors = residual, np.linalg.lstsq(A * root[:, None], y * root, rcond=None)[0]
+        residual = A @ factors - y
+        if np.max(np.abs(residual - last)) < _CONVERGED * least:
             break
     return np.asarray(np.abs(residual) > max(least, SETTINGS.disturbance_gate * scatter(residual)))
 
 
-def _passing(wild: Mask, N: Array) -> Mask:
-    """Groups of ``wild`` blocks (n,) that pass, with their neighbours; none where they are many.
+def _passing(disturbed: Mask, N: Array) -> Mask:
+    """Blocks (n,) of the disturbances that pass, with their neighbours; none where they are many.
 
-    A group passes if the run is calm before it, after it, and at more force than it had.
+    A disturbance passes if there are calm blocks before it, after it, and at more nominal force
+    ``N`` than it has.
     """
-    near = np.convolve(wild, np.ones(4), "full")[1 : 1 + wild.size] > 0.0  # one before, two after
-    left_out, few = np.zeros_like(wild), SETTINGS.fewest_blocks // 5
+    size = disturbed.size
+    near = np.convolve(disturbed, np.ones(4), "full")[1 : 1 + size] > 0.0  # one before, two after
+    left_out, few = np.zeros_like(disturbed), SETTINGS.fewest_blocks // 5
     for first, end in true_intervals(near):
         beyond = int(np.count_nonzero(~near & (np.max(N[first:end]) < N)))
-        left_out[first:end] = min(first, wild.size - end, beyond) >= few
+        left_out[first:end] = min(first, size - end, beyond) >= few
     return left_out & (np.mean(left_out) < SETTINGS.disturbance_share)

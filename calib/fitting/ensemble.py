@@ -1,6 +1,9 @@
-"""Draws of a car's unknowns (tyres, pads, loads, radii), and eta and slip that each predicts.
+"""Draws of a car's unknowns (tyres, pads, loads, radii), and eta and slip that each draw predicts.
 
-Valid for quasi-static loads, not while the body pitches, and below the peak of the tyre.
+    Ensemble --loaded_tyres--> LoadedTyres --slips--> slips over compliance --wheel_slips--> slips
+
+`predict_slips` does these steps at once. Valid for quasi-static loads, not while the body pitches,
+and below the peak of the tyre. Shapes: n draws, k decelerations, 2 axles (front, rear).
 """
 
 from dataclasses import dataclass, fields
@@ -28,10 +31,11 @@ _STICKS = 0.3  # slip below which a tyre does not slide [1]
 
 @dataclass(frozen=True)
 class Ensemble:
-    """Draws of a car, equally likely, as `calib.table.maps.Draws` but for the units.
+    """Equally likely draws of a car, one in each row; the columns are those of `Draws`.
 
-    ``cg_to_front_axle`` and ``cg_height`` are over those of the vehicle file. ``depart_eta`` and
-    ``depart_slip`` (n, 10) are at `DEPART_AT`.
+    `calib.table.maps.Draws` explains them. Here ``cg_to_front_axle`` and ``cg_height`` are over
+    those of the vehicle file [1]. ``depart_eta`` and ``depart_slip`` (n, 10), discrepancies of the
+    tyre form, are at `DEPART_AT`.
     """
 
     forms: Array
@@ -55,12 +59,12 @@ class Ensemble:
 
     @property
     def log_stiffness(self) -> Array:
-        """ln of the slip stiffness, the geometric mean of the axles, (n,)."""
+        """ln of the slip stiffness (n,), of which the geometric mean of the axles is taken [1]."""
         return np.asarray(-0.5 * np.log(self.compliance_f * self.compliance_r))
 
     @property
     def linear(self) -> Array:
-        """Compliances and fall of the radii, (n, 3)."""
+        """Front and rear compliance, and fall of the radii with load, (n, 3) [1]."""
         return np.stack([self.compliance_f, self.compliance_r, self.radius_load], axis=1)
 
     def take(self, rows: Index | Mask | slice) -> "Ensemble":
@@ -73,10 +77,11 @@ _LENGTHS = ("cg_to_front_axle", "cg_height")
 
 
 def draws_of(car: Vehicle, e: Ensemble, pads: Calibration) -> Draws:
-    """`TABLE_DRAWS` draws for a table, with the level of the pads by the sum of forces."""
-    some, scale = e.take(np.linspace(0, e.size - 1, TABLE_DRAWS).astype(np.int64)), pads.pad_scale
-    x = np.random.default_rng(42).standard_normal(TABLE_DRAWS)
-    columns = vars(some) | {name: getattr(some, name) * getattr(car, name) for name in _LENGTHS}
+    """`TABLE_DRAWS` draws for a table; the level of the ``pads`` is drawn independently."""
+    some = e.take(np.linspace(0, e.size - 1, TABLE_DRAWS).astype(np.int64))
+    lengths = {name: getattr(some, name) * getattr(car, name) for name in _LENGTHS}
+    columns = vars(some) | lengths
+    scale, x = pads.pad_scale, np.random.default_rng(42).standard_normal(TABLE_DRAWS)
     level = np.log(scale.value) + scale.sigma / scale.value * x
     return Draws(**columns, log_pad_level=level, weight=np.full(TABLE_DRAWS, car.weight))
 
@@ -91,8 +96,8 @@ class _UnitSlips(NamedTuple):
     """Slips and loads of the axles by draw, (2, n, k) [1].
 
     ``slip`` (..., 2, n, k) over the compliance; ``load`` over the weight; ``grown`` change of the
-    load over that at rest, which moves the radii; ``rolls`` (..., n, k) where both axles are on the
-    road and below the peaks of their tyres.
+    load over the load at rest, which changes the radii; ``rolls`` (..., n, k) whether both axles
+    are on the road and below the peaks of their tyres.
     """
 
     slip: Array
@@ -105,8 +110,8 @@ class LoadedTyres(NamedTuple):
     """Tyres of draws under their axle loads, (2, n, k) [1], and their ``forms`` (n, 5).
 
     ``load`` over the weight, ``on_road`` the same but at least `_LEAST_LOAD`; ``grown`` change of
-    the load over that at rest; ``most`` peak of the normalised force; ``compliant`` compliance over
-    that at half the weight.
+    the load over the load at rest; ``most`` peak of the normalised force; ``compliant`` compliance
+    over the compliance at half the weight.
     """
 
     load: Array
@@ -121,7 +126,7 @@ class LoadedTyres(NamedTuple):
         return LoadedTyres(*(np.take(x, draws, axis=-2) for x in self))
 
     def slips(self, forces: Array) -> _UnitSlips:
-        """Slips over compliance by (15), (16), with ``forces`` over the weight (..., 2, n, k)."""
+        """Slips over compliance by (15), (16); tyre ``forces`` over the weight (..., 2, n, k)."""
         use = forces / self.on_road / self.most
         unit = mean_inverse(use, self.forms)
         return _UnitSlips(
@@ -154,9 +159,10 @@ def loaded_tyres(car: Vehicle, e: Ensemble, z: Array, peak: Array | float = 1.0)
 
 
 def wheel_slips(e: Ensemble, unit: _UnitSlips, softer: Array | float = 1.0) -> tuple[Array, Array]:
-    """Slips of the tyres (2, n, k) [1], and the apparent slips by the wheel speeds.
+    """True slips of the tyres, and the apparent slips that the wheel speeds show, (2, n, k) [1].
 
-    A wheel whose radius fell turns faster. ``softer`` compliances over the ramp's, (2, n, 1).
+    They differ since a wheel whose radius fell with its load turns faster. ``softer`` is the
+    compliance over that on the ramp, (2, n, 1).
     """
     slips = softer * np.stack([e.compliance_f, e.compliance_r])[..., None] * unit.slip
     return slips, 1.0 - (1.0 - slips) * np.exp(e.radius_load[:, None] * unit.grown)
@@ -165,9 +171,10 @@ def wheel_slips(e: Ensemble, unit: _UnitSlips, softer: Array | float = 1.0) -> t
 class SlipPrediction(NamedTuple):
     """Predicted eta and slips of a braking at decelerations ``z`` (k,), by draw, (n, k) [1].
 
-    ``eta_rise`` eta - 1 by (22) and ``slip``, the mean of the axles by load, both zeroed on the
-    lead-in and with their discrepancy. Of the tyres, (2, n, k): ``forces`` over the loads of the
-    vehicle file, and ``slips``. ``rolls`` as of `_UnitSlips`, where no tyre slides.
+    ``eta_rise`` is eta - 1 by (22), ``slip`` the mean of the axles weighed by load; both are zeroed
+    on the lead-in and include the discrepancy of the tyre form. Of the tyres, (2, n, k): ``forces``
+    over the loads of the vehicle file, and true ``slips``. ``rolls`` whether both axles are on the
+    road and no tyre is beyond its peak or slides.
     """
 
     z: Array
@@ -195,14 +202,16 @@ def predict_slips(
 ) -> SlipPrediction:
     """Predict eta and slips where the brakes alone slow the car.
 
-    ``brake`` force of both axles over the weight and ``log_ratio`` of the pads, as of
-    `front_share`, each (n, k) or broadcast to it; ``z`` (k,) measured deceleration, at which the
-    discrepancies are read; all [1]. ``peak`` as of `loaded_tyres`, ``softer`` as of `wheel_slips`.
+    ``brake`` force of both axles over the weight, and ``log_ratio`` of the pads as in
+    `front_share`, both of a shape that broadcasts to (n, k); ``z`` (k,) measured deceleration, at
+    which the discrepancies are read; all [1]. ``peak`` as in `loaded_tyres`, ``softer`` as in
+    `wheel_slips`.
     """
     slowed = brake / (1.0 + sum(rotating_shares(car)))
     tyres = np.stack(tyre_forces(car, front_share(car, log_ratio), brake, slowed))
     unit = loaded_tyres(car, e, slowed, peak).slips(tyres)
     slips, turning = wheel_slips(e, unit, softer)
+    # weights (10, k) that interpolate linearly from `DEPART_AT` to z
     between = np.stack([np.interp(z, DEPART_AT, hat) for hat in np.eye(DEPART_AT.size)])
     return SlipPrediction(
         z=z,

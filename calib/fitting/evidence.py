@@ -1,10 +1,12 @@
 """The evidence of a hypothesis on ramps or stops: how well it predicts eta, slip and forces.
 
-    brakes = level N(pressure) (1 + discrepancy) + force of the mistake     the sum, (5), (17)
-    tyres of the axles -> slips -> eta                                      the split, (13) to (22)
+It has two factors, with the nominal brake force N:
 
-Both are multiplied, averaged over draws of pads and tyres and over sizes of the mistake, and
-multiplied by its prior odds.
+    brake force = level N(pressure) (1 + discrepancy) + force of the mistake     by a_x, (5), (17)
+    forces of the axles --tyres--> slips -> eta                            by the wheels, (13)-(22)
+
+Their product is averaged over draws of pads and tyres and over sizes of the mistake. Evidence times
+prior odds gives the odds of a hypothesis, see `Cause`.
 """
 
 import copy
@@ -26,28 +28,32 @@ from calib.fitting.regression import Regression, Solution
 from calib.model.ramp import RampRun
 from calib.run.filters import GroupMean
 
-_DRAWS = 512
+_DRAWS = 512  # number of draws of pads and tyres
 _BROAD = 0.5  # standard deviation of ln of the pads' ratio of the draws: any pads
-_POINTS = 14  # of the sum of forces of a ramp
+_POINTS = 14  # means of the sum of forces on a ramp
 _TREND = 0.05  # standard deviation of the change of the pads' level over a ramp [1]
 _DISCREPANCY, _LENGTH = 0.015, 0.15
 """Discrepancy of pads from a constant friction [1], and its correlation length in z [1]."""
 _ZERO = 0.002  # standard deviation of the zero of the sum of forces over the weight [1]
 
-_LIKELY, _FIRST = 32, 64  # draws that screen mistakes: the likeliest with other pads, the first
-SCREENING_ERROR = 4.0  # largest error of ln of the odds by these draws, near those that count
-NEVER = -1e6  # ln of the odds of a hypothesis that no draw explains
-_NEAR = 6.0  # ln of the odds against a mistake from which no further sizes are tried
+_LIKELY, _FIRST = 32, 64
+"""Draws that screen mistakes: so many of the likeliest with other pads, so many of the first."""
+SCREENING_ERROR = 4.0
+"""Largest error of ln of the odds by the screening draws, for odds that may decide."""
+NEVER = -1e6
+"""ln of the odds of a hypothesis that no draw explains."""
+_NEAR = 6.0  # ln of the odds against a mistake from which on only its first sizes are tried
 _STEP, _TRIALS, _CHANGE = 0.05, 40, 0.01
-"""First step from the best of these sizes, over their range [1], most further sizes, and change of
-ln of the evidence at which they end."""
+"""Search of the best size: first step over the range of sizes [1], largest number of trials, and
+change of ln of the evidence at which it ends."""
 
 
 @dataclass(frozen=True)
 class Cause:
-    """A hypothesis with its ``log_odds`` over "nothing wrong", and the likeliest ``size``.
+    """A hypothesis with its ``log_odds`` and the likeliest ``size`` of its mistake.
 
-    ``misfit`` mean square of its residuals over their errors [1].
+    ``log_odds`` is ln of prior odds times evidence, up to a common constant; ``misfit`` the mean
+    square of the residuals over their errors with the best draw [1].
     """
 
     hypothesis: Hypothesis
@@ -57,14 +63,14 @@ class Cause:
 
 
 _BySize = dict[Size, tuple[float, float]]
-"""ln of the evidence by size of a mistake, and the mean square residual of the best draw."""
+"""By size of a mistake: ln of the evidence, and mean square residual of the best draw."""
 
 
 @cache
 def _draws(other_road: bool) -> tuple[Ensemble, Array, Array]:
-    """Draws of the default prior, with any pads' ratio; see `draw_cars`.
+    """Draws of the default prior, as by `draw_cars`, but with any pads' ratio.
 
-    With ``other_road`` every second one is on another road, as a stop may be.
+    With ``other_road`` every second draw is on another road, as a stop may be.
     """
     from scipy.special import ndtri
 
@@ -89,10 +95,15 @@ def _log_mean(x: Array) -> float:
     return most + math.log(np.exp(x - most).mean()) if math.isfinite(most) else most
 
 
-class _Sum:
-    """The sum of forces of a run, by means of groups of its braked blocks.
+class _SumOfForces:
+    """The brake force of a run by its deceleration, as means over groups of its braked blocks.
 
-    brakes = level N(pressure) (1 + discrepancy + trend), from the zero on the lead-in.
+    Model, with the force less its zero on the lead-in and any ``level``:
+
+        brake force = level N(pressure) (1 + discrepancy + trend) + noise
+
+    ``relative`` covariance of discrepancy and trend, ``absolute`` that of noise and zero, both of
+    the force over the weight; ``white`` whitens, ``unit`` is the whitened N.
     """
 
     def __init__(self, car: Vehicle, run: RampRun) -> None:
@@ -106,6 +117,7 @@ class _Sum:
         self._read_pressures(run)
 
     def _read_pressures(self, run: RampRun) -> None:
+        """Compute all that depends on the pressures."""
         front, rear = brake_forces(self.car, run.blocks.p_f, run.blocks.p_r)
         N = self._mean(front + rear) / self.car.weight
         root = np.linalg.cholesky(self.absolute + np.outer(N, N) * self.relative)
@@ -115,7 +127,7 @@ class _Sum:
         self.log = -0.5 * math.log(self.information) - float(np.log(np.diag(root)).sum())
 
     def evidence(self, run: RampRun) -> tuple[float, float, float]:
-        """ln of the evidence of ``run``, ln of the pads' level, and the misfit."""
+        """ln of the evidence of ``run``, ln of the pads' level, sum of squared residuals."""
         sums = self
         if run.blocks.p_r is not self.run.blocks.p_r:
             sums = copy.copy(self)
@@ -130,20 +142,26 @@ class _Sum:
 
 
 class Evidence:
-    """Evidence of hypotheses on the ramps of a car."""
+    """Evidence of hypotheses on the ramps of a car, or on stops that may be on an ``other_road``.
+
+    ``draws`` of pads and tyres, ``loaded`` their tyres; ``regression`` by the wheels, ``sums`` of
+    forces of each run; ``sums_as_read`` and ``as_read`` the evidence of both without a mistake.
+    """
 
     def __init__(self, car: Vehicle, runs: Sequence[RampRun], other_road: bool) -> None:
         self.car, self.runs, self.draws = car, runs, _draws(other_road)
         self.regression, self.share = Regression(car, list(runs)), front_share(car, 0.0)
         self.loaded = self.regression.loaded(self.draws[0])
-        self.sums = [_Sum(car, run) for run in runs]
+        self.sums = [_SumOfForces(car, run) for run in runs]
         self.sums_as_read = self._of_sums(runs)
         self.as_read = self.regression.solve(*self.draws, self.loaded)
 
     def screened(self, mistakes: Sequence[Hypothesis], pads: Sequence[Cause]) -> list[Cause]:
-        """Odds of mistakes by some draws, scaled so that the best ``pads`` have those of all draws.
+        """Odds of ``mistakes`` by some of the draws.
 
-        These are the likeliest draws with other pads, and the first of all.
+        These draws are the likeliest with other pads, and the first of all. ``pads`` are the
+        hypotheses on pads by all draws, "nothing wrong" first. The odds are scaled so that the best
+        of ``pads`` keeps its odds.
         """
         _, level, _ = self.sums_as_read
         priors = [self._prior(level, self.draws[0].log_pad_ratio, c.hypothesis.pads) for c in pads]
@@ -152,12 +170,13 @@ class Evidence:
         by_pads = [part.of_pads(c.hypothesis).log_odds for c in pads]
         nothing, best = by_pads[0], max(by_pads)
         correction = max(c.log_odds for c in pads) - best
-        # what explains less than half of what other pads do is no better between its sizes
+        # a mistake far worse than other pads at the listed sizes is not searched between them
         least = 0.5 * (nothing + best)
         causes = part.of_mistakes(mistakes, nothing - SCREENING_ERROR, least)
         return [replace(cause, log_odds=cause.log_odds + correction) for cause in causes]
 
     def _by(self, draws: Index) -> "Evidence":
+        """The same evidence by some of the ``draws``."""
         other, (e, centre, root) = copy.copy(self), self.draws
         other.draws = e.take(draws), centre[draws], root[draws]
         other.loaded = [tyres.take(draws) for tyres in self.loaded]
@@ -165,36 +184,40 @@ class Evidence:
         return other
 
     def of_pads(self, h: Hypothesis) -> Cause:
-        """A hypothesis on the pads alone, with ln of (odds times evidence)."""
+        """The cause of a hypothesis on the pads alone."""
         return self._cause(h, {(): self._weighed(h, self.sums_as_read, self.as_read)})
 
     def of_mistakes(
         self, mistakes: Sequence[Hypothesis], nothing: float, least: float
     ) -> list[Cause]:
-        """The mistakes with ln of (odds times evidence), and the best size of each.
+        """The causes of ``mistakes``.
 
-        ``nothing`` ln of the evidence of "nothing wrong"; ``least`` that from which the size of a
-        mistake is searched for between those that are listed.
+        ``nothing`` is ln of the evidence of "nothing wrong". From ln of the odds ``least`` on, the
+        size of a mistake is searched for between the listed sizes.
         """
         by_size = self._by_size([(h, size) for h in mistakes for size in h.first])
         likely = [h for h in mistakes if max(by_size[h].values())[0] > nothing - _NEAR]
         pairs = [(h, size) for h in likely for size in h.sizes if size not in by_size[h]]
-        for h, more in self._by_size(pairs).items():
-            every = by_size[h] | more
-            by_size[h] = {size: every[size] for size in h.sizes}
+        for h, further in self._by_size(pairs).items():
+            tried = by_size[h] | further
+            by_size[h] = {size: tried[size] for size in h.sizes}
         return [self._cause(h, of_h, least) for h, of_h in by_size.items()]
 
     def _cause(self, h: Hypothesis, by_size: _BySize, least: float = math.inf) -> Cause:
+        """The cause of a hypothesis: the mean of its evidence over sizes, and the best size."""
         size = max(by_size, key=lambda size: by_size[size][0])
         if by_size[size][0] + math.log(h.odds) > least:
-            del by_size[size]  # its cell is as probable as the best size there
+            del by_size[size]  # the better size near it takes its place in the mean
             size = self._best_near(h, size)
             by_size |= self._by_size([(h, size)])[h]
         log = _log_mean(np.array([log for log, _ in by_size.values()])) + math.log(h.odds)
         return Cause(h, max(log, NEVER), size, by_size[size][1])  # no draw may explain it
 
     def _best_near(self, h: Hypothesis, size: Size) -> Size:
-        """The most probable size near ``size``, in the range of all: a ridge of two is narrow."""
+        """The most probable size near ``size``, within the range of all sizes.
+
+        Where a size has two numbers, probable ones lie on a narrow ridge between the listed ones.
+        """
         from scipy.optimize import minimize
 
         start, low, high = np.array(size), np.min(h.sizes, axis=0), np.max(h.sizes, axis=0)
@@ -213,7 +236,7 @@ class Evidence:
         return tuple(nearest.x.tolist())
 
     def _by_size(self, pairs: Sequence[tuple[Hypothesis, Size]]) -> "dict[Hypothesis, _BySize]":
-        """ln of the evidence of each size, and the mean square residual of its best draw."""
+        """`_BySize` of each hypothesis in ``pairs`` of a hypothesis and a size."""
         undone = [[h.undo(run, size) for run in self.runs] for h, size in pairs if h.undo]
         if not undone:
             return {}
@@ -226,7 +249,10 @@ class Evidence:
     def _weighed(
         self, h: Hypothesis, sums: tuple[float, float, float], split: Solution
     ) -> tuple[float, float]:
-        """ln of the evidence of one size, and the mean square residual of its best draw."""
+        """ln of the evidence of one size, and the mean square residual of its best draw.
+
+        ``sums`` as by `_of_sums`; ``split`` the solution of the regression.
+        """
         log, level, square = sums
         each = split.log_evidence + self._prior(level, self.draws[0].log_pad_ratio, h.pads)
         residual = split.residual(int(np.argmax(each)))
@@ -234,13 +260,16 @@ class Evidence:
         return _log_mean(each) + log, square / (residual.size + _POINTS * len(self.runs))
 
     def _of_sums(self, runs: Sequence[RampRun]) -> tuple[float, float, float]:
-        """`_Sum.evidence` of all ``runs``: sums of ln and of squares, mean of the level."""
-        each = [of_run.evidence(run) for of_run, run in zip(self.sums, runs, strict=True)]
+        """`_SumOfForces.evidence` of all ``runs``: sum of ln, mean of the level, sum of squares."""
+        each = [forces.evidence(run) for forces, run in zip(self.sums, runs, strict=True)]
         log, level, square = zip(*each, strict=True)
         return sum(log), float(np.mean(level)), sum(square)
 
     def _prior(self, level: float, ratio: Array, pads: tuple[float, float]) -> Array:
-        """ln of the prior density of this ``level`` and ``ratio`` (n,) over that of the draws."""
+        """ln of the prior density of ``level`` and ``ratio`` (n,), over that of the draws.
+
+        ``pads`` as in `Hypothesis`. Level and ratio give ln of the friction of each axle's pads.
+        """
         front = (level + (1.0 - self.share) * ratio) / pads[0]
         rear = (level - self.share * ratio) / pads[1]
         by_draws = -0.5 * (ratio / _BROAD) ** 2 - math.log(_BROAD)

@@ -1,6 +1,6 @@
-"""From ramps to a table: the whole of `brake-cal fit` in one place.
+"""Fit a table to ramps: `fit` does all steps of `brake-cal fit` in their order.
 
-logs --> signals --> resistance (coasting) --> tyre and pads --> curves --> table, warnings
+logs --> signals --> resistance (coasting) --> tyre and pads --> curves and maps --> table, warnings
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -67,15 +67,15 @@ def fit(
 
     Parameters
     ----------
-    vehicle : names the table. The effects that it knows are taken out of the logs first, see
-        `calib.run.known_effects`.
-    logs : one ramp or more; logs without braking serve as coast logs, and ramps on which one axle
-        brakes alone by its wheel pressures tell tyres and pads of the axles apart. Beside a ramp,
-        logs that brake too fast for one are stops, see `calib.fitting.learning`.
-    mass : of the car in these logs [kg], if it is not that of ``vehicle``. The table keeps the
-        vehicle as it is: what was weighed once need not be the load of the next run.
-    bench : brake forces of the same pads on a roller brake tester: a prior of the pads' ratio, in
-        the place of that by a `pad_friction_tolerance` of the vehicle.
+    vehicle : the car of the logs, whose name the table gets. Its known effects are taken out of the
+        logs first, see `calib.run.known_effects`.
+    logs : one ramp or more. Logs without braking serve as coast logs. Ramps on which one axle
+        brakes alone, by its wheel pressures, separate tyres from pads. Logs that brake too fast for
+        a ramp are stops, see `calib.fitting.learning`.
+    mass : of the car in these logs [kg], if it is not that of ``vehicle``. The table keeps the mass
+        of the vehicle, since the next run may have another load.
+    bench : brake forces of the same pads on a roller brake tester: a prior of the pads' ratio,
+        which replaces that by the `pad_friction_tolerance` of the vehicle.
     tyre : file of the tyres of both axles, or those of the front and of the rear axle.
     fleet : tables of other cars of this model by name@version, see
         `calib.store.fleet.released_cars`.
@@ -85,12 +85,12 @@ def fit(
 
     Raises
     ------
-    LogError : no log is a ramp that can be used; says why, and what to drive instead.
+    LogError : no log is a ramp that can be used. The message says why, and what to drive.
     BenchError : the forces on rollers lie on no line.
     TyreError : the file is of another tyre.
     VehicleError : the logs contradict the file, or no pad has such a friction.
     ModelError : an effect cannot be taken out of a log.
-    NotFiniteError : a number of the table is not finite; names the quantity.
+    NotFiniteError : a number of the table is not finite. The message names the quantity.
 
     >>> import calib
     >>> logs = calib.sample_logs() / "simulation_study"
@@ -120,7 +120,7 @@ def fit(
     ensemble, figures = explained(car, runs, ratio_prior, priors, refused, [*mistakes, *moves_eta])
     ensemble, by_stops = learn(car, ensemble, braked)
     support = list(zip(priors, ensemble.prior_support.tolist(), strict=True))
-    some = ensemble.take_with_pulls(slice(None, None, 4))
+    some = ensemble.take_with_pulls(slice(None, None, 4))  # a quarter is enough for curves
     path, z_end = _path(car, some, full, refused)
     pads, budget = _calibration(car, ensemble, full, resistance)
     contradict = any(warning.code in ("a_x_scale", "a_x_against_v") for warning in warnings)
@@ -161,7 +161,7 @@ def fit(
 def _mistakes(
     causes: Sequence[Cause], runs: Sequence[RampRun], refused: Callable[..., LogError]
 ) -> tuple[PlausibilityWarning, ...]:
-    """Warnings of mistakes that explain the ramps; raises LogError where one is certain."""
+    """Warnings of mistakes that explain the ramps. Raises LogError where it is certainly one."""
     mistakes, logs = tuple(measured(causes)), ", ".join(run.name for run in runs)
     if certain(causes) and (why := rule_warnings(logs, mistakes, FIT, (REFUSE,))):
         raise refused(
@@ -174,9 +174,9 @@ def _mistakes(
 def _ready(
     car: Vehicle, ramps: Sequence[Run], coasts: Sequence[Run], stops: Sequence[Run]
 ) -> tuple[list[RampRun], list[RampRun], Resistance]:
-    """Ramps and stops with corrected accelerometers; the resistance by ramps and coasts.
+    """Return ramps and stops ready to fit, and the resistance by ramps and coasts.
 
-    Accelerometers are judged first, by the usual resistance and its spread.
+    The accelerometers are corrected first, with the usual resistance and its spread.
     """
     usual = identify_resistance(car, ())
     judged_by = [(run, run.accelerometer(usual)) for run in (*ramps, *coasts)]
@@ -192,7 +192,10 @@ def _ready(
 def _path(
     car: Vehicle, e: Posterior, runs: list[RampRun], refused: Callable[..., LogError]
 ) -> tuple[SlipPrediction, float]:
-    """Eta and slips of the draws up to the highest z, and the z up to which eta rises [1]."""
+    """Eta and slips of the draws up to the highest z, and the z up to which eta rises [1].
+
+    Raises ``refused`` where eta does not rise at all.
+    """
     z_max = max(float(np.max(run.blocks.z[run.use])) for run in runs)
     path = ramp_path(car, e, np.linspace(0.0, z_max, 201))
     z_end = readable_up_to(path)
@@ -209,7 +212,11 @@ def _path(
 def _calibration(
     car: Vehicle, e: Posterior, runs: list[RampRun], resistance: Resistance
 ) -> tuple[Calibration, TableBudget]:
-    """Ratio of the pads and stiffness from the draws, level of the pads from the sum of forces."""
+    """Pads and stiffness of the ramps, with their budget.
+
+    The pads' ratio and the stiffness are those of the draws ``e``; the level of the pads follows
+    from the sum of forces.
+    """
     logs = np.stack([e.log_pad_ratio, e.log_stiffness])
     sigmas = np.sqrt(np.diag(np.cov(logs, bias=True))).tolist()
     ratio, stiffness = map(Value, np.mean(logs, axis=1).tolist(), sigmas)

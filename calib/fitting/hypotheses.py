@@ -1,7 +1,8 @@
-"""Mistakes as hypotheses: what each does to a ramp, its sizes, its prior odds.
+"""Mistakes as hypotheses: what each does to a ramp, its possible sizes, its prior odds.
 
-A mistake is undone in a run: a force that the log lacks is added, a delay removed, the rear
-pressure limited. Pads that differ from the vehicle file are hypotheses too, with nothing to undo.
+A hypothesis has a function that undoes its mistake in a run: it adds a force that the log lacks,
+removes a delay, or limits the rear pressure. Pads that differ from the vehicle file are hypotheses
+too, with nothing to undo.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -20,27 +21,28 @@ from calib.model.ramp import RampRun
 USUAL_PADS = 0.1
 """Standard deviation of ln of the friction of an axle's pads over the file's."""
 
-_OTHER_PADS = 0.5  # the same where the pads are not those of the file
+_OTHER_PADS = 0.5  # standard deviation of it where the pads are not those of the file [1]
 
 _FACTORS = (-2.0, -1.0, 0.0, 0.5, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, *map(float, range(6, 13)), 14.0)
 """Factors that correct a logged torque: another sign, one motor of two or three logged, a torque at
 the shaft of the motor and not at the wheels."""
 _TORQUES = (150.0, 250.0, 400.0, 600.0, 900.0, 1300.0)  # of a motor, at the wheels of an axle [N m]
 _FULL = (4e5, 10e5, 20e5)  # pressures at which a motor gives all of it [Pa]
-_HANDS_OVER = (1.0, 4.0)  # speeds between which a motor hands over to the brakes [m/s]
-_KNEES, _SLOPES = (10e5, 15e5, 20e5, 25e5, 30e5), (0.2, 0.45)  # of a valve [Pa], [1]
+_HANDS_OVER = (1.0, 4.0)  # a motor's torque falls between these speeds, to 0 at the lower [m/s]
+_KNEES = (10e5, 15e5, 20e5, 25e5, 30e5)  # pressures from which on a valve limits the rear one [Pa]
+_SLOPES = (0.2, 0.45)  # rise of the rear pressure over that of the front one beyond the knee [1]
 DELAYS = (0.012, 0.02, 0.03, 0.045, 0.07, 0.1)  # of the wheel speeds of an axle [s]
 _DRAGS = (1e5, 2e5, 3e5, 4.5e5, 7e5)  # residual pressures in one brake [Pa]
 _LEAST_DRIVE = 20.0  # logged torque of a braking car, below which it is noise [N m]
 
-# sizes that are tried first
+# Sizes that are tried first. For a motor and a valve they lie between those of the lists.
 _FIRST_FACTORS, _FIRST_MOTORS = ((-1.0,), (2.0,), (9.0,)), ((250.0, 8e5), (700.0, 12e5))
 _FIRST_DELAYS, _FIRST_DRAGS = ((0.03,), (0.07,)), ((2e5,), (4.5e5,))
 _FIRST_KNEES = ((15e5, 0.3), (25e5, 0.3))
 
 SCALE, MOTOR, VALVE = "drive_torque_scale", "motor_not_logged", "rear_pressure_limited"
 LATE, DRAG = "wheels_late", "brake_drags"
-"""Codes of `rules.csv`."""
+"""Codes of the mistakes in `rules.csv`."""
 
 Size = tuple[float, ...]
 """Parameters of a mistake: (factor,), (torque, pressure), (delay,), (pressure,), (knee, slope)."""
@@ -48,11 +50,12 @@ Size = tuple[float, ...]
 
 @dataclass(frozen=True, eq=False)
 class Hypothesis:
-    """A mistake by its ``code`` in `rules.csv`; "" where nothing is wrong but perhaps the pads.
+    """A mistake with its ``code`` in `rules.csv`, or "" for pads alone: no mistake.
 
-    ``odds`` before the ramp [1]; ``sizes`` all equally likely, of which the ``first`` are tried
-    first; ``undo`` returns a run without the mistake; ``pads`` standard deviation of ln of the
-    friction of front and rear pads over the file's [1].
+    ``odds`` prior odds, 1 for "nothing wrong" [1]; ``sizes`` equally likely sizes, ``first`` sizes
+    that are tried before them; ``undo`` returns a run without the mistake of a size, None where
+    there is nothing to undo; ``pads`` standard deviation of ln of the friction of front and rear
+    pads over the file's [1]; ``axle`` with the mistake, "f" or "r".
     """
 
     code: str
@@ -65,7 +68,7 @@ class Hypothesis:
 
 
 def hypotheses(car: Vehicle, runs: Sequence[RampRun]) -> Iterator[Hypothesis]:
-    """Return all mistakes that these ramps may have, and pads unlike those of the file."""
+    """Yield pads unlike those of the file, then all mistakes that these ramps may have."""
     other, usual = _OTHER_PADS, USUAL_PADS
     for pads in ((other, usual), (usual, other), (other, other)):
         yield Hypothesis("", 0.1, pads=pads)
@@ -78,7 +81,7 @@ def hypotheses(car: Vehicle, runs: Sequence[RampRun]) -> Iterator[Hypothesis]:
 
 
 def _of_axle(car: Vehicle, runs: Sequence[RampRun], axle: str, brake: Axle) -> Iterator[Hypothesis]:
-    """Late wheel speeds, a dragging brake, and a motor, logged wrongly or not at all."""
+    """Yield late wheel speeds, a dragging brake, and a motor, logged wrongly or not at all."""
     radius = brake.rolling_radius
     delays, drags = (tuple((x,) for x in sizes) for sizes in (DELAYS, _DRAGS))
     yield Hypothesis(LATE, 0.01, delays, _FIRST_DELAYS, partial(_in_time, car, axle), axle=axle)
@@ -98,20 +101,24 @@ def _of_axle(car: Vehicle, runs: Sequence[RampRun], axle: str, brake: Axle) -> I
 def _with_force(
     axle: str, force: Callable[[RampRun, Size], Array], run: RampRun, size: Size
 ) -> RampRun:
-    """The run with a known ``force`` [N] at the road (k,) on the wheels of an axle."""
+    """The run with an additional ``force`` [N] (k,), by run and size, on the wheels of an axle."""
     extra, name = force(run, size), f"drag_{axle}"
     more = {name: getattr(run, name) + extra, "brake_sum": run.brake_sum - extra}
     return replace(run, **more)
 
 
 def _scaled(axle: str, radius: float, run: RampRun, size: Size) -> Array:
-    """Force that a logged torque lacks if it needs a factor."""
+    """Force [N] (k,) that a logged torque lacks if it needs the factor ``size``."""
     drive: Array = getattr(run.blocks, f"drive_{axle}")
     return np.asarray((1.0 - size[0]) * drive * run.braked / radius)
 
 
 def _motor(radius: float, run: RampRun, size: Size) -> Array:
-    """Force of a motor that brakes with the pedal up to a torque, and hands over at low speed."""
+    """Force [N] (k,) of a motor whose torque rises with the pressure to its full value.
+
+    ``size`` is the full torque [N m] and the pressure at which it is reached [Pa]. At low speed the
+    motor hands over to the brakes.
+    """
     b, (torque, full), (low, high) = run.blocks, size, _HANDS_OVER
     share = np.clip(np.maximum(b.p_f, b.p_r) / full, 0.0, 1.0)
     share *= np.clip((b.speed - low) / (high - low), 0.0, 1.0)
@@ -119,14 +126,14 @@ def _motor(radius: float, run: RampRun, size: Size) -> Array:
 
 
 def _dragging(brake: Axle, run: RampRun, size: Size) -> Array:
-    """Force of one wheel's brake with a residual pressure, until the pedal gives more."""
+    """Force [N] (k,) of one wheel's brake whose pressure is never below ``size`` [Pa]."""
     gain = brake.torque_gain * brake.pad_friction / brake.rolling_radius
     pressure = np.maximum(run.blocks.p_f, run.blocks.p_r)
     return np.asarray(gain * np.maximum(size[0] - pressure, 0.0))
 
 
 def _in_time(car: Vehicle, axle: str, run: RampRun, size: Size) -> RampRun:
-    """The run without the delay of an axle, whose wheel speeds are those of a faster car."""
+    """The run without a delay ``size`` [s] of the wheel speeds of an axle, by the deceleration."""
     radius = (car.front if axle == "f" else car.rear).rolling_radius
     b, name = run.blocks, f"omega_{axle}"
     b = replace(b, **{name: getattr(b, name) - size[0] * G * b.z / radius})
@@ -135,5 +142,5 @@ def _in_time(car: Vehicle, axle: str, run: RampRun, size: Size) -> RampRun:
 
 
 def _limited(run: RampRun, size: Size) -> RampRun:
-    """The run with the rear pressure behind a valve."""
+    """The run with the rear pressure behind a valve; ``size`` its knee [Pa] and slope [1]."""
     return replace(run, blocks=replace(run.blocks, p_r=behind_valve(run.blocks.p_r, *size)))

@@ -1,15 +1,16 @@
-"""What stops tell of a car: the draws that explain its ramps, weighed by eta and slip of stops.
+"""Learn from stops: weigh the draws that explain the ramps of a car by eta and slip of its stops.
 
-    a draw + what a stop brings --regression--> eta, slip      the likelihood of one stop
-    product over the stops, tempered --> weights --> the draws, resampled
+    a draw, changes in the stop --regression--> eta, slip --> likelihood of the stop
+    product over the stops --tempering--> weights --resampling--> draws
 
-What a stop brings is the group `stop` of `beliefs.csv`, and is integrated out: stiffness of the
-road, inflation and a_x as the regression does its linear unknowns; the peak of the road at some
+The changes in a stop are the group `stop` of `beliefs.csv`. They are integrated out: stiffness of
+the road, inflation and a_x as linear unknowns of the regression; the peak of the road at some
 values and linearly around each; the pads' ratio by Laplace's method.
 
-Where a stop, or all together, would leave an effective sample size below a half, the likelihood is
-tempered by a power below 1: a model that only few draws save is wrong in another way (Holmes and
-Walker 2017, doi:10.1093/biomet/asx010). `tests/studies/results/learning.md`: what stops are worth.
+Where a stop, or all stops together, would leave an effective sample size below a half, the
+likelihood is tempered by a power below 1: where only few draws explain the stops, the model is
+wrong in another way (Holmes and Walker 2017, doi:10.1093/biomet/asx010).
+`tests/studies/results/learning.md` has what stops are worth.
 """
 
 import math
@@ -28,15 +29,18 @@ from calib.fitting.regression import Regression
 from calib.model.ramp import RampRun
 
 _GROUPS = 4  # groups of blocks of a stop, whose deceleration hardly changes
-_PEAKS = (-1.5, -0.5, 0.5, 1.5)  # of another road, in standard deviations of its ln
-_WITHIN = 0.3  # standard deviation around each: they are 1 apart
-_STEP = 0.02  # of ln of a peak or of the pads' ratio, for a derivative
-_SEARCHES, _FAR = 3, 0.3  # steps of Newton's method to the likeliest pads, and the longest
+_PEAKS = (-1.5, -0.5, 0.5, 1.5)  # values of ln of the peak of another road [standard deviations]
+_WITHIN = 0.3  # standard deviation around each value, over that of the peak: values are 1 apart
+_STEP = 0.02  # step of ln of a peak, or of ln of the pads' ratio, for a derivative [1]
+_SEARCHES, _FAR = 3, 0.3  # steps of Newton's method to the likeliest pads, the longest step [1]
 _MOST = 3.0  # root mean square of the residuals above which no draw explains a stop [1]
 
 
 def learn(car: Vehicle, e: Posterior, stops: Sequence[RampRun]) -> tuple[Posterior, list[str]]:
-    """Weigh the draws by the stops, and say what each tells; the same draws where none does."""
+    """Return the draws weighed by the ``stops``, and a remark on what each stop changes.
+
+    The draws stay as they are where no stop has a likelihood.
+    """
     remarks, total = [], np.zeros(e.size)
     for run in stops:
         log = log_likelihood(car, e, run)
@@ -45,29 +49,35 @@ def learn(car: Vehicle, e: Posterior, stops: Sequence[RampRun]) -> tuple[Posteri
             continue
         power = tempering_step(log, 1.0)
         total += power * log
-        alone = _moved(e, power * log, power)
+        alone = _change(e, power * log, power)
         remarks.append(f"{run.name}: a stop, braked within 1 s; alone: {alone}")
     if not np.any(total):
         return e, remarks
     power = tempering_step(total, 1.0)
-    together = f"{counted(len(stops), 'stop')} together: {_moved(e, power * total, power)}"
+    together = f"{counted(len(stops), 'stop')} together: {_change(e, power * total, power)}"
     return e.take_with_pulls(survivors(power * total, 0.5)), [*remarks, together]
 
 
-def _moved(e: Ensemble, log: Array, power: float) -> str:
-    """Change of the pads' ratio by weights of ln ``log`` (n,), in words."""
+def _change(e: Ensemble, log: Array, power: float) -> str:
+    """Change of the pads' ratio by weights of ln ``log`` (n,), in words.
+
+    ``power`` is that of the likelihood, mentioned where it is below 1.
+    """
     weight, ratio = np.exp(log - log.max()), e.log_pad_ratio
     mean = np.average(ratio, weights=weight)
     sigma = math.sqrt(np.average((ratio - mean) ** 2, weights=weight))
-    width, moved = sigma / float(np.std(ratio)) - 1.0, mean - float(np.mean(ratio))
+    of_width, of_mean = sigma / float(np.std(ratio)) - 1.0, mean - float(np.mean(ratio))
     tempered = f" (its power: {power:.2f})" if power < 1.0 else ""
-    return f"pads' ratio {100.0 * moved:+.1f} %, its half width {100.0 * width:+.0f} %{tempered}"
+    return (
+        f"pads' ratio {100.0 * of_mean:+.1f} %, its half width {100.0 * of_width:+.0f} %{tempered}"
+    )
 
 
 def log_likelihood(car: Vehicle, e: Ensemble, run: RampRun) -> Array:
     """ln of the likelihood of draws (n,) by one stop; 0 where it has no v, or no draw explains it.
 
-    Valid while the deceleration hardly changes: a peak then scales the slip of an axle.
+    Valid while the deceleration hardly changes: a change of the peak then scales the slip of an
+    axle by one factor.
     """
     if run.slip is None or not (run.braked.any() and run.rolling.size):
         return np.zeros(e.size)
@@ -82,7 +92,10 @@ def log_likelihood(car: Vehicle, e: Ensemble, run: RampRun) -> Array:
 
 
 def _roads(e: Ensemble) -> Iterator[tuple[float, Array, Array, tuple[float, float]]]:
-    """Yield share of a road, peak, ln of stiffness over the ramp's, (n,) each, and their sigmas."""
+    """Yield the roads of a stop: share, peak, ln of stiffness over the ramp's, and two sigmas.
+
+    Peak and stiffness are (n,); the sigmas are standard deviations of ln of peak and stiffness.
+    """
     peaks, stiffs = STOP.log_peak, STOP.log_stiffness
     shares = peaks.share / peaks.share.sum()
     for i, case in enumerate(peaks.cases):
@@ -99,10 +112,11 @@ def _roads(e: Ensemble) -> Iterator[tuple[float, Array, Array, tuple[float, floa
 def _on_road(
     regression: Regression, e: Ensemble, stiff: Array, sigmas: tuple[float, float]
 ) -> Array:
-    """ln of the likelihood of draws (n,) on one road, over the changes of the pads.
+    """ln of the likelihood of draws (n,) on one road, integrated over changes of the pads' ratio.
 
-    ``stiff`` and ``sigmas`` as of `_roads`.
+    ``e`` has the peak of the road; ``stiff`` and ``sigmas`` as in `_roads`.
     """
+    # covariance (n, 2, 2) of ln of the compliances: by peak, stiffness and a_x, and each tyre
     rows = [regression.rows(replace(e, peak=x * e.peak))[0] for x in (1.0, math.exp(_STEP))]
     slips = np.stack([np.abs(x[:, :2, :_GROUPS]).mean(axis=-1) for x in rows])  # rows of eta
     by_peak = np.log(slips[1] / slips[0]) / _STEP * sigmas[0]
@@ -123,7 +137,7 @@ def _on_road(
         slope, bend = (high - low) / (2.0 * _STEP), (2.0 * log - low - high) / _STEP**2
         sharp = np.maximum(bend, np.maximum(np.abs(slope) / _FAR, 1.0))
         change = change + slope / sharp
-    # a normal likelihood of the change, of variance 1/sharp, times the prior mixture
+    # Laplace: the likelihood of the change is normal, of variance 1/sharp; the prior is a mixture
     pads, narrow = STOP.log_pad_ratio, 1.0 / sharp[:, None]
     variance = pads.sigma**2 + narrow
     density = np.exp(-0.5 * (change[:, None] - pads.mean) ** 2 / variance)

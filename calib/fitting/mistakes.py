@@ -1,11 +1,11 @@
-"""Which mistake explains a ramp better than pads, tyres and car alone do.
+"""Find the mistakes that explain a ramp better than pads, tyres and car alone do.
 
-    ln odds = ln odds before + ln of the evidence, less that of no mistake
+    ln odds = ln prior odds + ln evidence - ln evidence of no mistake
 
 See `calib.fitting.evidence` for the evidence and `calib.fitting.hypotheses` for the list.
 
-None is named unless it explains the ramp well, and better than other pads. Two mistakes at once
-are not considered, and a wrong gain of p_mc looks like other pads.
+A mistake is named only where it explains the ramp well, and better than other pads do. Two mistakes
+at once are not considered, and a wrong gain of p_mc looks like other pads.
 """
 
 import math
@@ -34,7 +34,7 @@ _EXPLAINED = 2.5
 """Mean square of the best residuals of eta, slip and sum over their errors, above which no
 hypothesis explains the ramp."""
 
-_MOSTLY = 8.0  # the same, at most, where "nothing wrong" leaves 2.5 times as much
+_MOSTLY = 8.0  # largest such mean square that counts where "nothing wrong" leaves 2.5 times as much
 
 _IN_WORDS = {
     MOTOR: "a motor that brakes the {axle} wheels by up to {size:.0f} N m, and is not logged",
@@ -43,10 +43,10 @@ _IN_WORDS = {
 
 
 def causes_of(car: Vehicle, runs: Sequence[RampRun], other_road: bool = False) -> tuple[Cause, ...]:
-    """The hypotheses on ``runs`` in which both axles brake, most probable first.
+    """The hypotheses on ``runs`` with their odds over "nothing wrong", most probable first.
 
-    The runs are ramps, or stops on perhaps an ``other_road``. Raises ValueError where a run has no
-    usable block.
+    The runs are ramps, or stops that may be on an ``other_road``; both axles brake in them. Raises
+    ValueError where a run has no usable block.
     """
     evidence = Evidence(car, runs, other_road)
     every = (Hypothesis("", 1.0), *hypotheses(car, runs))
@@ -62,9 +62,9 @@ def causes_of(car: Vehicle, runs: Sequence[RampRun], other_road: bool = False) -
 
 
 def _least(pads: Sequence[Cause], screened: Sequence[Cause], other_road: bool) -> float:
-    """ln of the odds from which a screened mistake may be a candidate.
+    """ln of the odds from which on a screened mistake is computed with all draws.
 
-    Infinite on an ``other_road`` where no mistake explains the run better than other pads do.
+    It is infinite on an ``other_road`` where no mistake explains the run better than other pads do.
     """
     best = max(pads, key=lambda cause: cause.log_odds)
     most = max((cause.log_odds for cause in screened), default=NEVER)
@@ -76,24 +76,22 @@ def _least(pads: Sequence[Cause], screened: Sequence[Cause], other_road: bool) -
 def _candidates(causes: Sequence[Cause]) -> tuple[Cause, ...]:
     """Hypotheses that the ramps cannot tell apart, most probable first.
 
-    None where "nothing wrong" is among them, or where no hypothesis explains the ramps.
+    There are none where "nothing wrong" is as probable, or where no hypothesis explains the ramps.
     """
     best = causes[0]
-    sure = LIKELY_LOG_ODDS * max(
-        best.misfit, 1.0
-    )  # a larger misfit makes the odds as much less sure
-    near = tuple(c for c in causes if c.log_odds > best.log_odds - sure)
+    decisive = LIKELY_LOG_ODDS * max(best.misfit, 1.0)  # a misfit makes the odds less certain
+    near = tuple(c for c in causes if c.log_odds > best.log_odds - decisive)
     usual = (USUAL_PADS, USUAL_PADS)
     nothing = next(c.misfit for c in causes if not c.hypothesis.code and c.hypothesis.pads == usual)
-    most = max(_EXPLAINED, min(_MOSTLY, nothing / 2.5))
-    return near if best.misfit < most and best.log_odds > sure else ()
+    largest_misfit = max(_EXPLAINED, min(_MOSTLY, nothing / 2.5))
+    return near if best.misfit < largest_misfit and best.log_odds > decisive else ()
 
 
 def named(causes: Sequence[Cause], beside_pads: bool = True) -> tuple[Cause, ...]:
-    """The mistakes that explain the ramps, most probable first.
+    """The mistakes that explain the runs, most probable first.
 
-    ``beside_pads`` names them even where other pads explain the runs as well. That is for a ramp,
-    whose pads are those of the file; those of a stop may be wet.
+    With ``beside_pads`` they are named even where other pads explain the runs as well. That is for
+    ramps, whose pads are those of the file; pads of a stop may be wet.
     """
     near = _candidates(causes)
     mistakes = tuple(c for c in near if c.hypothesis.code)
@@ -101,7 +99,7 @@ def named(causes: Sequence[Cause], beside_pads: bool = True) -> tuple[Cause, ...
 
 
 def certain(causes: Sequence[Cause]) -> bool:
-    """Whether it is certainly a mistake: no pads explain the ramps as well."""
+    """Whether the ramps certainly hold a mistake: no pads explain them as well."""
     near = _candidates(causes)
     return (
         bool(near) and near[0].log_odds > CERTAIN_LOG_ODDS and all(c.hypothesis.code for c in near)
@@ -109,7 +107,7 @@ def certain(causes: Sequence[Cause]) -> bool:
 
 
 def other_than_pads(causes: Sequence[Cause]) -> str:
-    """A mistake that explains the ramps nearly as well as other pads do, in words; or ""."""
+    """A mistake, in words, that explains the ramps nearly as well as other pads do; else ""."""
     best = max(c.log_odds for c in causes if not c.hypothesis.code)
     near = (
         c for c in causes if c.hypothesis.code in _IN_WORDS and c.log_odds > best - LIKELY_LOG_ODDS
@@ -130,12 +128,13 @@ def measured(causes: Sequence[Cause], beside_pads: bool = True) -> Iterator[Meas
         elif code == DRAG:
             value /= BAR
         elif code in (MOTOR, VALVE):
-            words["bar"] = f"{size[code == MOTOR] / BAR:.0f}"
+            pressure = size[1] if code == MOTOR else size[0]
+            words["bar"] = f"{pressure / BAR:.0f}"
         yield Measured(code, 1.0 if code == VALVE else value, words=words)
 
 
 def _why(factor: float) -> str:
-    """Likely reason for a factor on a torque at the wheels, in words."""
+    """Likely reason, in words, for a factor that corrects the logged torque at the wheels."""
     if factor < 0.0:
         return "another sign: what slows the car is negative"
     if factor < 1.0:

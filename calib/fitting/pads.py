@@ -1,10 +1,12 @@
-"""Level and ratio of the pads on the ramps, with their uncertainty by part.
+"""Estimate level and ratio of the pads on the ramps, with their uncertainty by part.
 
-A ramp with both axles gives the common level of their pads, one with the front axle only that of
-the front pads; the difference gives the pads' ratio. Without ramps of one axle, levels say nothing
-about the ratio.
+The level of a ramp is the brake force that the deceleration demands, over that of the vehicle
+file's pads at the same pressure. The force counts from the lead-in, so neither the zero of a_x nor
+a constant resistance changes it.
 
-The force counts from the lead-in, so neither the zero of a_x nor a constant resistance moves it.
+A ramp on which both axles brake gives the common level of their pads, a ramp on which the front
+axle brakes alone that of the front pads. From the difference follows the ratio of front to rear
+pads. Without a ramp of one axle, the levels do not depend on the ratio.
 """
 
 import math
@@ -23,17 +25,17 @@ from calib.table.budget import axle_parts
 from calib.table.table import Calibration, TableBudget, Value
 
 DEFAULT_PRIOR = Value(CAR.log_pad_ratio.mean, CAR.log_pad_ratio.sigma)
-"""ln of the pads' ratio over that of the file, where the user says nothing of it."""
+"""Prior of ln of the pads' ratio over that of the file [1], where the user gives no other."""
 
-_LEAST = 1e-3  # lower limit of a level, below that of any pads [1]
+_LEAST = 1e-3  # lower limit of a level, so that it has a logarithm; no pads have so little [1]
 
 
 def pad_ratio_prior(vehicle: Vehicle, bench: RollerBench | None) -> Value:
     """Prior of ln of (mu_f/mu_r) over its value in the vehicle file [1].
 
-    By the roller bench, which measured these very pads; else by the tolerances of the file, which
-    are of the grade; else `DEFAULT_PRIOR`. Raises BenchError and ModelError as
-    `RollerBench.log_pad_ratio`.
+    It comes from the roller ``bench``, which measured these very pads, if there is one; else from
+    the tolerances of the file, which hold for the grade of the pads; else it is `DEFAULT_PRIOR`.
+    Raises BenchError and ModelError as `RollerBench.log_pad_ratio`.
     """
     if bench is not None:
         return bench.log_pad_ratio(vehicle)
@@ -47,12 +49,13 @@ def pad_ratio_prior(vehicle: Vehicle, bench: RollerBench | None) -> Value:
 def _levels_of(
     vehicle: Vehicle, runs: list[RampRun], resistance: Resistance, log_ratio: float
 ) -> tuple[Array, Array]:
-    """Level of the pads of each run over the file's, (runs,) [1], at a pads' ratio; its errors.
+    """Level of the pads of each run over the file's, (runs,) [1], and its errors, (runs, 3).
 
-    These are relative standard deviations by noise, resistance and accelerometer, (runs, 3). The
-    level is sum(z y)/sum(z^2) with the demanded force y: an error e(z) moves it by
-    sum(z e)/sum(z^2). The scale of a_x has its prior, with pitch, where there is no v. The noise of
-    the lead-in counts only with a resistance by the file: else it is in the identified one.
+    ``log_ratio`` ln of the pads' ratio over the file's [1]. The errors are relative standard
+    deviations by noise, resistance and accelerometer. The level is sum(z y)/sum(z^2), with the
+    demanded force y over the weight; so an error e(z) of y changes it by sum(z e)/sum(z^2). Without
+    v the scale of a_x has its prior, which includes pitch. The noise of the lead-in counts only
+    where the file gives the resistance: an identified resistance already includes that noise.
     """
     levels, sigmas = [], []
     for run in runs:
@@ -63,44 +66,46 @@ def _levels_of(
             rolled = b.length * max(run.rolling.size, 1)
             noise = np.hypot(noise, z.sum() / square * run.noise.z / np.sqrt(rolled))
         resistance_sigma = resistance.sigma_z(vehicle, b.speed[run.braked]) @ z / square
-        too_much, scale, *_ = LOG.a_x_scale
-        if run.slip is not None:
-            too_much, scale = 0.0, 0.0 if sensor is None else float(np.sqrt(sensor.variance_scale))
-        level = (1.0 - too_much) * pad_scale(run, *nominal_forces(vehicle, run, log_ratio))
+        excess, scale_sigma = LOG.a_x_scale.mean, LOG.a_x_scale.sigma
+        if run.slip is not None:  # v has corrected a_x, if there was anything to correct
+            excess = 0.0
+            scale_sigma = 0.0 if sensor is None else float(np.sqrt(sensor.variance_scale))
+        level = (1.0 - excess) * pad_scale(run, *nominal_forces(vehicle, run, log_ratio))
         levels.append(max(level, _LEAST))
-        sigmas.append([noise, resistance_sigma, scale])
+        sigmas.append([noise, resistance_sigma, scale_sigma])
     return np.array(levels), np.array(sigmas)
 
 
 def ratio_by_levels(
     vehicle: Vehicle, runs: list[RampRun], resistance: Resistance, prior: Value
 ) -> Value:
-    """ln of the pads' ratio [1] from its ``prior`` and the levels of the runs.
+    """ln of the pads' ratio [1] from its ``prior`` and the levels of the ``runs``.
 
-    ln of a level moves with the ratio by a lever, the front axle's share of the force. Its variance
-    is that of the repeatability of pads and that of the run. Common errors of the runs (resistance,
-    accelerometer) count as independent, which is rather too wide. Without a ramp of one axle it is
-    the ``prior``.
+    ln of a level changes with the ratio times a lever, the front axle's share of the brake force.
+    The variance of ln of a level is that of the repeatability of pads plus that of the run. Errors
+    that the runs share (resistance, accelerometer) count as independent, which makes the result
+    rather too wide. Without a ramp of one axle the result is the ``prior``.
     """
     if all(run.only is None for run in runs):
         return prior
-    share = {"f": 1.0, "r": 0.0, None: front_share(vehicle, prior.value)}
     levels, sigmas = _levels_of(vehicle, runs, resistance, prior.value)
     weight = 1.0 / (LOG.pads_repeat.sigma**2 + np.sum(sigmas**2, axis=1))
-    shares = np.array([share[run.only] for run in runs])
-    # less the common level, which has no prior
-    log_level, lever = (x - np.average(x, weights=weight) for x in (np.log(levels), shares))
+    lever_of = {"f": 1.0, "r": 0.0, None: front_share(vehicle, prior.value)}
+    levers, log_levels = np.array([lever_of[run.only] for run in runs]), np.log(levels)
+    # less the means: the common level has no prior
+    log_level, lever = (x - np.average(x, weights=weight) for x in (log_levels, levers))
     precision = prior.sigma**-2.0 + weight @ lever**2
-    moved = float(weight * lever @ log_level / precision)
-    return Value(prior.value + moved, float(precision**-0.5))
+    change = float(weight * lever @ log_level / precision)
+    return Value(prior.value + change, float(precision**-0.5))
 
 
 def level_of(
     vehicle: Vehicle, runs: list[RampRun], resistance: Resistance, log_ratio: float
 ) -> tuple[float, dict[str, float]]:
-    """Common factor on the pads of ramps with both axles [1], and the variance of its ln by part.
+    """Common factor on the pads of both axles [1], and the variance of its ln by part.
 
-    More ``runs`` reduce only the noise, of which their scatter is a part.
+    ``runs`` are ramps on which both axles brake. More of them reduce only the noise, which includes
+    the scatter of their levels.
     """
     levels, sigmas = _levels_of(vehicle, runs, resistance, log_ratio)
     noise, by_resistance, accelerometer = np.mean(sigmas, axis=0) ** 2
@@ -124,20 +129,23 @@ def calibration_of(
     ``scale`` common factor of both axles' pads [1]; ``ratio`` ln of the pads' ratio; ``stiffness``
     ln of the slip stiffness; ``parts`` variances of level, ratio and stiffness as of `TableBudget`.
 
-    The sum of forces fixes the mean of the axles, weighed by their share of the force. The scale is
-    their geometric mean, so the ratio moves it by half the difference of the shares.
+    The sum of forces determines the mean of the axles, weighed by their share of the force. The
+    scale is their geometric mean, so a change of the ratio changes the scale by half the difference
+    of the shares.
     """
-    relative, share = np.sqrt(sum(parts["level"].values())), front_share(vehicle, ratio.value)
+    level_sigma = np.sqrt(sum(parts["level"].values()))
+    share = front_share(vehicle, ratio.value)
     half, stiff = np.exp(0.5 * ratio.value), math.exp(stiffness.value)
 
-    def known_to(value: float, lever: float) -> Value:
-        return Value(float(value), float(value * np.hypot(relative, lever * ratio.sigma)))
+    def with_sigma(value: float, lever: float) -> Value:
+        """A factor on pads whose ln changes by ``lever`` times ln of the ratio."""
+        return Value(float(value), float(value * np.hypot(level_sigma, lever * ratio.sigma)))
 
     pads = Calibration(
-        pad_scale=known_to(scale, share - 0.5),
+        pad_scale=with_sigma(scale, share - 0.5),
         pad_log_ratio=ratio,
-        pad_friction_f=known_to(scale * vehicle.front.pad_friction * half, 1.0 - share),
-        pad_friction_r=known_to(scale * vehicle.rear.pad_friction / half, share),
+        pad_friction_f=with_sigma(scale * vehicle.front.pad_friction * half, 1.0 - share),
+        pad_friction_r=with_sigma(scale * vehicle.rear.pad_friction / half, share),
         slip_stiffness=Value(stiff, stiff * stiffness.sigma),
     )
     axles = axle_parts(vehicle, ratio.value, parts["level"], parts["ratio"])

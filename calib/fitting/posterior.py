@@ -1,12 +1,13 @@
 r"""The posterior: draws of a car that explain its ramps.
 
-    prior --> forces over loads --tyre forms--> slips --(22)--> eta, and slip where v is logged
+    draw of the prior --> forces over loads --tyre forms--> slips --(22)--> eta, and slip with v
 
 Tempered sequential Monte Carlo (Del Moral et al. 2006, doi:10.1111/j.1467-9868.2006.00553.x)
-carries the draws from prior to posterior, by the likelihood of `calib.fitting.regression` and the
-user's prior of the pads' ratio, in steps of equal effective sample size. Preconditioned
-Crank-Nicolson moves between them keep the prior invariant (Cotter et al. 2013,
-doi:10.1214/13-STS421). The random numbers are fixed: the same logs give the same table.
+carries the draws from the prior to the posterior. The likelihood is that of
+`calib.fitting.regression` times the user's prior of the pads' ratio; it enters in steps of equal
+effective sample size. Between the steps, preconditioned Crank-Nicolson moves keep the prior
+invariant (Cotter et al. 2013, doi:10.1214/13-STS421). The random numbers are fixed: the same logs
+give the same table.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -31,29 +32,29 @@ from calib.fitting.regression import Regression
 from calib.model.ramp import RampRun
 from calib.table.table import Value
 
-_DRAWS = 2048  # they give the 2.5 % quantile to a tenth of a standard deviation
+_DRAWS = 2048  # so many give the 2.5 % quantile to a tenth of a standard deviation
 _TYRES = ("form", "load_exponent", "peak_load_exponent", "peak", "compliance", "log_tyre_ratio")
-_CAUSES = {
+_COORDINATES = {
     "tyres": _TYRES,
     "unlike_pads": ("log_pad_ratio",),
     "load_geometry": ("cg_to_front_axle", "cg_height", "radius_load"),
 }
-"""Coordinates of the prior by part of a budget."""
+"""Names of the coordinates of the prior that belong to each part of a budget."""
 
 _ESS_FRACTION = 0.5  # effective sample size after a step, over the number of draws
 _PCN_STEP = 0.4  # share of new noise in a Crank-Nicolson move
-_ACCEPTED_MOVES, _MOST_MOVES = 0.8, 6  # per draw and step: moves to accept, and tries at most
+_ACCEPTED_MOVES, _MOST_MOVES = 0.8, 6  # moves of a draw in a step: accepted ones, tries at most
 
 
 @dataclass(frozen=True)
 class Posterior(Ensemble):
-    """Draws that explain the ramps.
+    """Draws that explain the ramps, with what a budget and warnings need.
 
-    ``pulls`` (n, m) by part of a budget (`calib.table.budget`): the derivative of a draw's ln
-    probability by each standard error of that part, which moves the mean of any x by cov(x, pull);
-    see `parts_of`.
-    ``prior_support`` (k,) posterior probability of each informative prior against the default one,
-    at even odds [1]; ``misfit`` rms of the residuals of eta and slip over their errors [1].
+    ``pulls`` (n, m) by part of a budget (`calib.table.budget`): derivative of ln of a draw's
+    probability by each of the m errors of that part, an error of one standard deviation. An error
+    changes the mean of any function x of the draws by cov(x, pull); see `parts_of`.
+    ``misfit`` rms of the residuals of eta and slip over their errors [1]; ``prior_support`` (k,)
+    posterior probability of each informative prior against the default one, at even odds [1].
     """
 
     pulls: dict[str, Array]
@@ -61,7 +62,7 @@ class Posterior(Ensemble):
     prior_support: Array
 
     def take_with_pulls(self, rows: Index | slice) -> "Posterior":
-        """The draws of some ``rows``, with their pulls."""
+        """The draws of some ``rows``, with their ``pulls``."""
         pulls = {part: pull[rows] for part, pull in self.pulls.items()}
         return replace(self, **vars(Ensemble.take(self, rows)), pulls=pulls)
 
@@ -69,14 +70,15 @@ class Posterior(Ensemble):
 def parts_of(x: Array, pulls: Mapping[str, Array]) -> dict[str, Array]:
     """Variance (k,) of functions of the draws ``x`` (k, n), by part of a budget.
 
-    The variance by one error is cov(x, pull)^2: exact where all is normal and linear. Elsewhere
-    the parts are scaled to add up to the variance of the draws.
+    The variance by one error is cov(x, pull)^2, which is exact where all is normal and linear. The
+    parts are scaled to add up to the variance of the draws, which also cancels the factor n in the
+    covariances.
     """
     off = x - np.mean(x, axis=1, keepdims=True)
-    moved = {part: np.sum((off @ pull) ** 2, axis=1) for part, pull in pulls.items()}
-    whole = np.sum([*moved.values()], axis=0)
-    scale = np.divide(np.var(x, axis=1), whole, out=np.zeros(len(x)), where=whole > 0.0)
-    return {part: scale * by for part, by in moved.items()}
+    by_part = {part: np.sum((off @ pull) ** 2, axis=1) for part, pull in pulls.items()}
+    total = np.sum([*by_part.values()], axis=0)
+    scale = np.divide(np.var(x, axis=1), total, out=np.zeros(len(x)), where=total > 0.0)
+    return {part: scale * variance for part, variance in by_part.items()}
 
 
 def posterior(
@@ -88,9 +90,9 @@ def posterior(
 ) -> Posterior:
     """Draw from the posterior given the ramps ``runs``.
 
-    ``ratio`` prior of ln of the pads' ratio, `DEFAULT_PRIOR` where the user has none; ``priors``
-    informative ones, which share half of the draws. Raises ValueError where no draw of the prior
-    explains the ramps, or a ramp has no usable block.
+    ``ratio`` prior of ln of the pads' ratio, `DEFAULT_PRIOR` where the user gives none; ``draws``
+    their number; ``priors`` informative priors, which share half of the draws. Raises ValueError
+    where no draw of the prior explains the ramps, or a ramp has no usable block.
     """
     from scipy.special import ndtri
 
@@ -117,7 +119,7 @@ def posterior(
         unlike = (e.log_pad_ratio - ratio.value) / ratio.sigma
         prior_x[:, PLACES["log_pad_ratio"]] = unlike[:, None]
     pulls = {part: residual @ (regression.white @ x) for part, x in regression.errors.items()}
-    for part, names in _CAUSES.items():
+    for part, names in _COORDINATES.items():
         columns = [prior_x[:, PLACES[name]] for name in names]
         pulls[part] = np.hstack([pulls.get(part, prior_x[:, :0]), *columns])
     default, *others = np.bincount(prior_index(x, priors), minlength=len(priors) + 1)
@@ -131,7 +133,10 @@ def posterior(
 
 
 def _tempered(x: Array, log_evidence: Callable[[Array], Array], rng: np.random.Generator) -> Array:
-    """Carry draws ``x`` (n, d) of a standard normal prior to the posterior, by tempering."""
+    """Carry draws ``x`` (n, d) of a standard normal prior to the posterior, by tempering.
+
+    ``log_evidence`` returns ln of the likelihood (n,) of draws.
+    """
     log, power = log_evidence(x), 0.0
     if not np.any(np.isfinite(log)):
         raise ValueError("no draw of the prior explains the ramps")
@@ -158,7 +163,11 @@ def survivors(log: Array, place: float) -> Index:
 
 
 def tempering_step(log: Array, most: float) -> float:
-    """Next step of the power of the likelihood, up to ``most``: it leaves `_ESS_FRACTION`."""
+    """Next step of the power of the likelihood, at most ``most``, found by bisection.
+
+    ``log`` ln of the likelihood of the draws (n,). The step leaves an effective sample size of
+    `_ESS_FRACTION` or more.
+    """
     low, high = 0.0, 2.0 * most  # so that the first trial is ``most``
     for _ in range(41):
         power = min(0.5 * (low + high), most)

@@ -1,14 +1,16 @@
-r"""The prior of a car before its ramps: the default prior, and informative ones of the user.
+r"""The prior of a car before its ramps: the default prior, and informative priors of the user.
 
-    standard normal x --a prior--> coordinates, standard normal in the default prior --> a car
+A car is described by coordinates, whose default prior (`beliefs.csv`) is standard normal. A prior
+is a normal distribution of the coordinates:
 
-A tyre file, or the released cars of the model, give an informative prior: a normal distribution of
-the coordinates. Half of the draws keep the default prior, for a car that contradicts the other.
+    standard normal x --prior--> coordinates --> draw of a car
 
-    draws of each car --less the default prior--> likelihood of its ramps --> mean of the model
+A tyre file, or the released cars of the model, give an informative prior. Half of the draws keep
+the default prior, for a car that contradicts the informative ones.
 
-Cars of a model scatter normally about one mean: a hierarchical model (Gelman et al., Bayesian Data
-Analysis, ch. 5).
+The cars of a model scatter normally about the mean of the model (a hierarchical model, Gelman et
+al., Bayesian Data Analysis, ch. 5). The draws of each car, less the default prior, give the
+likelihood of its ramps; the likelihoods of all cars give the mean of the model.
 """
 
 from collections.abc import Mapping, Sequence
@@ -28,13 +30,14 @@ from calib.table.table import Table, Value
 _LOGS = ("peak", "cg_to_front_axle", "cg_height")  # the prior is of their logarithms
 _NONLINEAR = ("load_exponent", "peak_load_exponent", "peak", "log_pad_ratio", *_LOGS[1:])
 NAMES = (*["form"] * len(FORMS), *_NONLINEAR, "compliance", "log_tyre_ratio", "radius_load")
-"""Coordinates in their order: tyre forms, other nonlinear ones, and the linear ones."""
+"""Names of the coordinates in their order: tyre forms, other nonlinear ones, and linear ones."""
 
-PLACES = {name: [i for i, one in enumerate(NAMES) if one == name] for name in NAMES}
+PLACES = {name: [i for i, other in enumerate(NAMES) if other == name] for name in NAMES}
 """Indices of the coordinates of each name."""
 
 DRAWN = len(FORMS) + len(_NONLINEAR)
-"""Number of coordinates that are drawn; the others enter linearly and are integrated out."""
+"""Number of nonlinear coordinates, which are drawn. Eta and slip are linear in the others, which
+are integrated out."""
 
 COMPLIANCE, _SIGMA, *_ = CAR.compliance
 _LESS = 0.5 * CAR.log_tyre_ratio.sigma * COMPLIANCE
@@ -42,21 +45,29 @@ _LINEAR = np.array([COMPLIANCE, COMPLIANCE, CAR.radius_load.mean])
 _TO_LINEAR = np.array(
     [[_SIGMA, _LESS, 0.0], [_SIGMA, -_LESS, 0.0], [0.0, 0.0, CAR.radius_load.sigma]]
 )
-"""Compliances and fall of the radii are _LINEAR + _TO_LINEAR @ (the last three coordinates)."""
+"""Front and rear compliance and fall of the radii are _LINEAR + _TO_LINEAR @ linear coordinates."""
 
 _BELIEFS: list[Belief] = [getattr(CAR, name) for name in NAMES]
-CENTRE, WIDTH = np.array([one[:2] for one in _BELIEFS[len(FORMS) : DRAWN]]).T
+CENTRE, WIDTH = np.array([(x.mean, x.sigma) for x in _BELIEFS[len(FORMS) : DRAWN]]).T
+"""Mean and standard deviation of the nonlinear quantities after the forms."""
 _SPARSE = 0.6  # Dirichlet concentration of the forms: two or three make up most of a tyre
-_OTHER, _APART = 0.1, 4.3  # share of cars with other pads or a fault, and their wider scatter
-_CARS_APART = np.array([one.model for one in _BELIEFS])
-_OF_FILE = np.array([one.tyre_file / one.sigma for one in _BELIEFS])
+# The pads' ratio has heavy tails: this share of the cars, with other pads or a fault, scatters
+# wider than the others by this factor.
+_OTHER_SHARE, _WIDER = 0.1, 4.3
+_VARIANCE_IN_MODEL = np.array([belief.model for belief in _BELIEFS])
+"""Variance of each coordinate between the cars of a model, over that between all cars."""
+_FILE_SIGMA = np.array([belief.tyre_file / belief.sigma for belief in _BELIEFS])
+"""Standard deviation of each coordinate of a car about its tyre file."""
 _UNINFORMED = 0.5  # posterior over prior variance, above which ramps are taken to say nothing
 _COUNT = 200  # effective sample size of the draws of a table
 
 
 @dataclass(frozen=True)
 class Prior:
-    """A normal prior of the coordinates, (k,) and (k, k); ``code`` of the warning against it."""
+    """A normal prior of the coordinates with ``mean`` (k,) and ``covariance`` (k, k).
+
+    ``code`` is that of the warning where the ramps contradict it.
+    """
 
     name: str
     code: str
@@ -70,8 +81,9 @@ _DEFAULT = Prior("the field", "", np.zeros(len(NAMES)), np.eye(len(NAMES)))
 def draw_cars(x: Array, priors: Sequence[Prior]) -> tuple[Ensemble, Array, Array]:
     """Cars of standard normal ``x`` (n, DRAWN + 1), and the prior of their linear parameters.
 
-    These are compliances and ``radius_load``, 1 in the cars: normal given the other coordinates,
-    with centre (n, 3) and root (n, 3, 3) of the covariance.
+    The last column of ``x`` decides which of the ``priors`` a draw has. The linear parameters,
+    compliances and ``radius_load``, are 1 in the cars. Given the other coordinates they are normal,
+    with a centre (n, 3) and the root (n, 3, 3) of the covariance.
     """
     y, centre, root = (np.empty((len(x), *shape)) for shape in ((DRAWN,), (3,), (3, 3)))
     for i, prior in enumerate((_DEFAULT, *priors)):
@@ -84,7 +96,7 @@ def draw_cars(x: Array, priors: Sequence[Prior]) -> tuple[Ensemble, Array, Array
 
 
 def prior_index(x: Array, priors: Sequence[Prior]) -> Index:
-    """Which prior each draw (n,) has: 0 the default one, then the ``priors`` in their order."""
+    """Which prior each draw (n,) has: 0 for the default prior, i for the i-th of ``priors``."""
     from scipy.special import ndtr
 
     shares = np.linspace(0.5, 1.0, len(priors) + 1)[:-1]
@@ -94,8 +106,8 @@ def prior_index(x: Array, priors: Sequence[Prior]) -> Index:
 def log_importance(user_prior: Value, log_ratio: Array) -> Array:
     """ln of the density of pads' ratios (n,) by the ``user_prior`` over that by the default one."""
     r = log_ratio / CAR.log_pad_ratio.sigma
-    default = (1.0 - _OTHER) * np.exp(-0.5 * r**2)
-    default += _OTHER / _APART * np.exp(-0.5 * (r / _APART) ** 2)
+    default = (1.0 - _OTHER_SHARE) * np.exp(-0.5 * r**2)
+    default += _OTHER_SHARE / _WIDER * np.exp(-0.5 * (r / _WIDER) ** 2)
     return np.asarray(
         -0.5 * ((log_ratio - user_prior.value) / user_prior.sigma) ** 2 - np.log(default)
     )
@@ -103,11 +115,11 @@ def log_importance(user_prior: Value, log_ratio: Array) -> Array:
 
 @cache
 def _tails() -> tuple[Array, Array]:
-    """Standard normal numbers, and scaled ratios of the pads at the same quantiles."""
+    """Standard normal numbers, and ln of the pads' ratio over its sigma at the same quantiles."""
     from scipy.special import ndtr, ndtri
 
     r = np.linspace(-9.0, 9.0, 2001)
-    below = (1.0 - _OTHER) * ndtr(r) + _OTHER * ndtr(r / _APART)
+    below = (1.0 - _OTHER_SHARE) * ndtr(r) + _OTHER_SHARE * ndtr(r / _WIDER)
     return ndtri(np.clip(below, 1e-15, 1.0 - 1e-15)), r
 
 
@@ -121,7 +133,7 @@ def _amounts() -> tuple[Array, Array]:
 
 
 def _cars(y: Array) -> Ensemble:
-    """Cars of coordinates (n, DRAWN), with linear parameters of 1."""
+    """Cars of nonlinear coordinates ``y`` (n, DRAWN), with linear parameters of 1."""
     columns = y[:, len(FORMS) :].copy()
     ratio = _NONLINEAR.index("log_pad_ratio")
     columns[:, ratio] = np.interp(columns[:, ratio], *_tails())
@@ -133,7 +145,7 @@ def _cars(y: Array) -> Ensemble:
 
 
 def _coordinates(e: Ensemble) -> Array:
-    """Coordinates (n, k) of draws; of the many that give the same forms, one at random."""
+    """Coordinates (n, k) of draws; of the many that give the same forms, random ones."""
     rng = np.random.default_rng(44)
     # weights of a Dirichlet distribution times a gamma variate are independent gamma variates
     amounts = e.forms * rng.gamma(_SPARSE * len(FORMS), size=(e.size, 1))
@@ -144,7 +156,7 @@ def _coordinates(e: Ensemble) -> Array:
 
 
 def _weights_of(x: Array) -> Array:
-    """Weights of the forms (n, 5) from their standard normal coordinates (n, 5)."""
+    """Weights of the forms (n, 5) from their standard normal coordinates ``x`` (n, 5)."""
     amount = np.exp(np.interp(x, *_amounts()))
     return np.asarray(amount / amount.sum(axis=1, keepdims=True))
 
@@ -152,18 +164,20 @@ def _weights_of(x: Array) -> Array:
 def informative_priors(
     car: Vehicle, tyres: Sequence[TyreFile], fleet: Mapping[str, Table]
 ) -> tuple[Prior, ...]:
-    """The priors by tyre files and by cars of the model. Raises TyreError."""
+    """The priors by tyre files and by cars of the model, where there are any. Raises TyreError."""
+    of_tyres = (_of_tyres(car, tyres),) if tyres else ()
     of_cars = (_of_fleet(car, fleet),) if fleet else ()
-    return (_of_tyres(car, tyres), *of_cars) if tyres else of_cars
+    return (*of_tyres, *of_cars)
 
 
 def _of_tyres(car: Vehicle, tyres: Sequence[TyreFile]) -> Prior:
     """The prior by one tyre file for both axles, or by one for the front and one for the rear."""
     use, rows, slips = np.linspace(0.1, 0.9, 20), [], []
-    mean, sigma = np.zeros(_OF_FILE.size), _OF_FILE.copy()
-    for tyre, axle in zip((tyres[0], tyres[-1]), car.static_loads, strict=True):
-        loads = 0.5 * axle * np.array([0.8, 1.0, 1.25])
+    mean, sigma = np.zeros(_FILE_SIGMA.size), _FILE_SIGMA.copy()
+    for tyre, axle_load in zip((tyres[0], tyres[-1]), car.static_loads, strict=True):
+        loads = 0.5 * axle_load * np.array([0.8, 1.0, 1.25])
         log_values = np.log([tyre.at_load(load) for load in loads])
+        # ln of stiffness and of peak are lines over ln of the load, 0 at a quarter of the weight
         falling, (stiffness, peak) = np.polyfit(np.log(4.0 * loads / car.weight), log_values, 1)
         fall = tyre.radius_load(loads[1])
         if fall is None:
@@ -181,7 +195,10 @@ def _of_tyres(car: Vehicle, tyres: Sequence[TyreFile]) -> Prior:
 
 
 def _form(use: Array, slip: Array) -> tuple[Array, Array]:
-    """Mean (5,) and covariance (5, 5) of coordinates whose form fits ``slip`` over ``use`` (k,)."""
+    """Mean (5,) and covariance (5, 5) of the coordinates of forms that fit a curve.
+
+    The curve is ``slip`` over ``use``, the share of the peak force [1], (k,) each.
+    """
     from scipy.special import ndtri
 
     x = np.asarray(ndtri(spread_evenly(4096, len(FORMS))))
@@ -192,16 +209,23 @@ def _form(use: Array, slip: Array) -> tuple[Array, Array]:
 
 def _of_fleet(car: Vehicle, fleet: Mapping[str, Table]) -> Prior:
     """The prior of another car of the model, by the tables of the ``fleet`` by name@version."""
-    identity = np.eye(_CARS_APART.size)
-    precision, pull = np.diag(1.0 / (1.0 - _CARS_APART)), np.zeros(_CARS_APART.size)
+    identity = np.eye(_VARIANCE_IN_MODEL.size)
+    # precision of the mean of the model, and precision times its value
+    precision = np.diag(1.0 / (1.0 - _VARIANCE_IN_MODEL))
+    scaled_mean = np.zeros(_VARIANCE_IN_MODEL.size)
     for table in fleet.values():
         x = _coordinates(ensemble_of(car, table.draws))
-        v, Q = np.linalg.eigh(np.cov(x.T) + 1e-6 * identity)
+        variance, axes = np.linalg.eigh(np.cov(x.T) + 1e-6 * identity)
+        axes, variance = axes[:, variance < _UNINFORMED], variance[variance < _UNINFORMED]
         shrink = (_COUNT - x.shape[1] - 2.0) / (_COUNT - 1.0)  # mean of an inverse Wishart
-        Q, sharp = Q[:, v < _UNINFORMED], shrink / v[v < _UNINFORMED]
-        information, pull_car = Q @ np.diag(sharp - 1.0) @ Q.T, Q @ (sharp * (Q.T @ x.mean(axis=0)))
-        # a car tells of the mean of the model less for its own scatter
-        through = np.linalg.inv(identity + information * _CARS_APART)
-        precision, pull = precision + through @ information, pull + through @ pull_car
+        sharp = shrink / variance
+        # the likelihood of the ramps: the draws less the default prior, whose precision is 1
+        information = axes @ np.diag(sharp - 1.0) @ axes.T
+        scaled_mean_of_car = axes @ (sharp * (axes.T @ x.mean(axis=0)))
+        # the scatter between the cars of the model reduces what one car says of their mean
+        scatter = np.linalg.inv(identity + information * _VARIANCE_IN_MODEL)
+        precision = precision + scatter @ information
+        scaled_mean = scaled_mean + scatter @ scaled_mean_of_car
     of_mean: Array = np.linalg.inv(0.5 * (precision + precision.T)).astype(np.float64)
-    return Prior("the fleet", "fleet_prior", of_mean @ pull, of_mean + np.diag(_CARS_APART))
+    covariance = of_mean + np.diag(_VARIANCE_IN_MODEL)
+    return Prior("the fleet", "fleet_prior", of_mean @ scaled_mean, covariance)

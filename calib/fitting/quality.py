@@ -1,6 +1,6 @@
-"""How well a fit explains its ramps: residuals, metrics, remarks and warnings.
+"""Judge how well a fit explains its ramps: residuals, metrics, remarks and warnings.
 
-Residuals are those of eta and slip of each block, over their errors. No table is made where no draw
+Residuals are those of eta and slip of each block, over their errors. A fit is refused where no draw
 carries the forces of a ramp, or where the residuals are far above 1.
 """
 
@@ -31,10 +31,10 @@ from calib.run.resistance import identify as identify_resistance
 from calib.run.run import Run
 from calib.table.table import Value
 
-_SOME = 64  # draws whose median residual is taken: it is far sharper than a block
+_SOME = 64  # draws whose median residual is taken; its error is far below that of a block
 
 MOVE_ETA = (LATE, "unexplained_braking_force", "force_step")
-"""Codes of mistakes that move eta: no table is made where no tyre explains eta beside them."""
+"""Codes of mistakes that change eta: a fit with one of them is refused if no tyre explains eta."""
 
 _MOST = 3.0
 """Root mean square of the residuals of eta above which a ramp is not explained [1].
@@ -53,8 +53,10 @@ def explained(
 ) -> tuple[Posterior, dict[str, float]]:
     """The posterior of the ramps, and figures of its residuals.
 
-    ``ratio`` prior of ln of the pads' ratio. Raises ``refused`` where nothing explains the ramps. A
-    misfit is no reason to refuse where a warning in ``named`` gives another cause than `MOVE_ETA`.
+    ``ratio`` prior of ln of the pads' ratio, ``priors`` informative priors of the car; ``named``
+    warnings whose causes may explain a misfit. Raises ``refused`` where no draw carries the forces,
+    where v contradicts the wheel speeds, and where no tyre explains eta, unless one of the
+    ``named`` causes is none of `MOVE_ETA`.
     """
     try:
         ensemble = posterior(car, runs, ratio, priors=priors)
@@ -76,8 +78,8 @@ def explained(
                 expected="a v of the same car, in time and to scale",
                 do="check clock, filter and scale of v, or leave v out of the log",
             )
-    if worst > _MOST and all(one.code in MOVE_ETA for one in named):
-        likely = [one.causes[0] for one in named]
+    if worst > _MOST and all(warning.code in MOVE_ETA for warning in named):
+        likely = [warning.causes[0] for warning in named]
         raise refused(
             f"no tyre explains eta: the residual is {worst:.1f} times the error of wheel speeds",
             expected=f"at most {_MOST:.0f} times",
@@ -101,10 +103,10 @@ def _ramp_residuals(
 
 
 def residuals(car: Vehicle, e: Ensemble, run: RampRun) -> tuple[Array, Array]:
-    """Residuals of eta and of slip over their errors, at the braked blocks (k,); no slip without v.
+    """Residuals of eta and slip over their errors at the braked blocks, (k,) each.
 
-    The error includes the noise of z, which gives the forces of a block: on a rough road it is five
-    times that of the wheels.
+    Without v those of the slip are empty. The error includes the noise of z, by which a block has
+    its forces: on a rough road that noise is five times that of the wheels.
     """
     regression = Regression(car, [run], most=None)
     (ramp,) = regression.ramps
@@ -114,31 +116,32 @@ def residuals(car: Vehicle, e: Ensemble, run: RampRun) -> tuple[Array, Array]:
     sigma = np.linalg.norm(np.hstack(errors), axis=1)
     lasting = np.hstack([regression.errors["zeros"], regression.errors["accelerometer"]])
     residual = regression.residuals(e.take(np.linspace(0, e.size - 1, _SOME).astype(np.int64)))
-    # less the lasting errors, as far as the run determines them
+    # subtract the errors that last over the run, as far as its rows determine them
     residual -= residual @ regression.white.T @ regression.white @ lasting @ lasting.T
     eta, slip = np.split(np.median(residual, axis=0) / sigma, 2)
     return eta, slip[:0] if run.slip is None else slip
 
 
 def _rms(x: Array) -> float:
+    """Root mean square, 0 of nothing."""
     return float(np.linalg.norm(x) / np.sqrt(max(x.size, 1)))
 
 
 def metrics(
     vehicle: Vehicle, runs: list[RampRun], path: SlipPrediction, nominal: float
 ) -> dict[str, float]:
-    """Quality metrics of a fit beside those of its residuals, each a plain number.
+    """Quality metrics of a fit besides those of its residuals, each a plain number.
 
-    ``path`` predicted for the ``runs`` up to the highest z; ``nominal`` share of the prior in the
+    ``path`` predicted for the ``runs`` up to the highest z; ``nominal`` weight of the prior in the
     pads' ratio [1].
     """
-    z_peak, eta_peak, real = find_peak(path)
+    z_peak, eta_peak, falls = find_peak(path)
     return {
         "deceleration_max": float(path.z[-1]),
         "front_biased_up_to": min(front_biased_up_to(vehicle), 9.99),
         "eta_peak": eta_peak,
         "eta_peak_deceleration": z_peak,
-        "eta_peak_is_real": float(real),
+        "eta_peak_is_real": float(falls),
         "pad_ratio_nominal_weight": nominal,
         "runs": float(len(runs)),
     }
@@ -150,7 +153,7 @@ def remarks(
     runs: list[RampRun],
     prior_support: Sequence[tuple[Prior, float]],
 ) -> Iterator[str]:
-    """Sentences on decisions of the fit that the table's numbers and warnings do not show.
+    """Yield sentences on decisions of the fit that the table's numbers and warnings do not show.
 
     ``vehicle`` and ``mass`` as in the logs; ``prior_support`` probabilities of informative priors.
     """
@@ -162,7 +165,8 @@ def remarks(
         b = run.blocks
         zero = float(np.mean(b.eta[run.rolling])) - 1.0
         yield f"{run.name}: eta zeroed by {100 * zero:+.3f} % (rolling radii)"
-        for first, after in [] if run.left_out is None else true_intervals(run.left_out):
+        left_out = [] if run.left_out is None else true_intervals(run.left_out)
+        for first, after in left_out:
             start, end = b.end[first] - b.length, b.end[after - 1]
             yield f"{run.name}: left out from {start:.2f} to {end:.2f} s: a bump, another force"
     for prior, p in prior_support:
@@ -172,12 +176,17 @@ def remarks(
 def warnings_of(
     filed: Vehicle, ramps: Sequence[Run], coasts: Sequence[Run], identified: Resistance
 ) -> Iterator[PlausibilityWarning]:
-    """Warnings of vehicle and logs, before the fit; those of the pads come from it.
+    """Yield the warnings of vehicle and logs before the fit; only the fit can warn of the pads.
 
-    ``filed`` the vehicle of the file; ``identified`` the resistance of all logs, judged unless the
-    file gives one. Where there are coasts, a ramp is judged by their resistance.
+    ``filed`` is the vehicle of the file. ``identified`` is the resistance of all logs, which is
+    judged unless the file gives one. Where there are coasts, a ramp is judged with their
+    resistance.
     """
-    yield from (w for w in vehicle_warnings(filed) if not w.code.startswith("pad_friction"))
+    yield from (
+        warning
+        for warning in vehicle_warnings(filed)
+        if not warning.code.startswith("pad_friction")
+    )
     car = ramps[0].car
     if ROLLING[0] not in car.effects:
         yield from rule_warnings(car.name, [Measured("rolling_resistance", identified.mean[1])])

@@ -1,11 +1,14 @@
-r"""The likelihood of a draw: eta and slip of the ramps, by linear regression.
+r"""The likelihood of a draw by eta and slip of the ramps: a linear regression.
 
-    rows = H (c_f, c_r, fall) + error        H by the forces over the loads, the form of the tyres
+    (eta - 1, slip) = H (c_f, c_r, fall) + error
 
-The unknowns are the compliances of the axles and the fall of the radii with load. The error has a
-known covariance: noise of the sensors, zeros and clock of the run, scale of a_x, and a correlated
-discrepancy of the form, as no tyre is a mean of published ones (Brynjarsdottir and O'Hagan 2014,
+The unknowns are the compliances c of the axles and the fall of the radii with load. The design
+matrix H follows from the draw: forces over loads, and the form of the tyres. The error has a known
+covariance: noise of the sensors, zeros and clock of the run, scale of a_x, and a correlated
+discrepancy of the form, since no tyre is a mean of published ones (Brynjarsdottir and O'Hagan 2014,
 doi:10.1088/0266-5611/30/11/114007).
+
+Shapes: n draws, k rows of a ramp or of all ramps, s variants of the runs.
 """
 
 import copy
@@ -23,25 +26,26 @@ from calib.fitting.ensemble import DEPART_AT, Ensemble, LoadedTyres, loaded_tyre
 from calib.model.ramp import RampRun
 from calib.run.filters import GroupMean
 
-_GROUPS = 14  # groups of blocks of a ramp: the discrepancy of a tyre is alike over two of them
+_GROUPS = 14  # groups of blocks of a ramp: two of them are within the length of a discrepancy
 _GRADE = 0.001  # random walk of bias and slope [1/sqrt(s)]
 _CLOCK = 0.01  # standard deviation of the delay of v after the wheels [s]
 _WALKED = 5e-5  # standard deviation of the drift of eta's zero since the lead-in [1]
 _FINEST = 5e-4  # eta - 1 or slip below which the discrepancy no longer shrinks [1]
 _ROUGH = 0.02  # uncorrelated share of the variance of the discrepancy
 
-_KINDS = ("eta", "slip")  # of rows, in their order
-_ERROR = {"eta": CAR.form_error_eta.mean, "slip": CAR.form_error_slip.mean}
+_KINDS = ("eta", "slip")  # kinds of rows, in their order
+_DISCREPANCY = {"eta": CAR.form_error_eta.mean, "slip": CAR.form_error_slip.mean}  # relative
 
 
 def _carried_on(
     car: Vehicle, run: RampRun, eta_zero: float, mean: Callable[[Array], Array], length: Array
 ) -> tuple[Array, dict[str, Array]]:
-    """Slip (k,) against the speed that a_x gives from the lead-in on, and its errors by cause.
+    """Slip (k,) by a speed from a_x, where v is not logged, and its errors by cause.
 
-    v = v_0 - g int (1 - e) (z - o) dt with scale e and offset o; the wheels turn at v (1 - slip).
-    As the car slows, the part of the slip in v - R omega vanishes and that of e grows, so the two
-    separate. ``mean`` averages over groups of blocks, of a ``length`` each [s].
+    v = v_0 - g int (1 - e) (z - o) dt with scale e and offset o of a_x. The wheels turn at
+    v (1 - slip). As the car slows, slip contributes less to v - R omega and e contributes more, so
+    both are observable. ``mean`` averages over groups of blocks, ``length`` is that of each [s];
+    ``eta_zero`` eta on the lead-in [1].
     """
     b, noise, lead, R = run.blocks, run.noise, run.rolling, car.front.rolling_radius
     rear = 1.0 - run.load_f / car.weight
@@ -67,13 +71,13 @@ def _carried_on(
 
 
 class _Ramp:
-    """One ramp: means over its lead-in, which is the zero, and over k groups of blocks.
+    """One ramp: means over its lead-in, on which eta and slip are zero, and over groups of blocks.
 
-    Of lead-in and groups, (..., 1 + k) [1]: ``brake`` force of both axles over the weight;
-    ``moments`` other torques of the axles as forces over the weight, (..., 2, 1 + k); ``log_odds``
-    ln of front over rear pressure. ``only`` the axle that brakes alone. ``rows`` eta - 1 and slip
-    of the groups, (..., 2, k); where v is not logged the slip is against the speed by a_x. Their
-    ``errors`` by cause, (k, m): a column for each error of one standard deviation.
+    Over lead-in and k groups, (..., 1 + k) [1]: ``z``; ``brake`` force of both axles over the
+    weight; ``moments`` other torques of the axles as forces over the weight, (..., 2, 1 + k);
+    ``log_odds`` ln of front over rear pressure. ``only`` the axle that brakes alone, else None.
+    ``rows`` eta - 1 and slip of the groups, (..., 2, k). ``errors`` of both kinds of rows by cause,
+    (k, m) each: a column is an error of one standard deviation.
     """
 
     def __init__(self, car: Vehicle, run: RampRun, most: int | None) -> None:
@@ -87,29 +91,30 @@ class _Ramp:
         self.rows, self.errors = self._wheels(run)
 
     def with_forces_of(self, runs: Sequence[RampRun]) -> "_Ramp":
-        """The same ramp with the forces, and the wheel speeds, of each of ``runs``."""
+        """The same ramp with forces and wheel speeds of ``runs`` (s,), on a new first axis."""
         other = copy.copy(self)
         other.brake, other.moments, other.log_odds = self._forces(runs)
         other.rows = np.array([self._rows_of(run) for run in runs])
         return other
 
     def _forces(self, runs: Sequence[RampRun]) -> tuple[Array, Array, Array]:
-        """Brake force, moments and pressures of each of ``runs``."""
+        """``brake``, ``moments`` and ``log_odds`` of each of ``runs`` (s,)."""
         each = [(x.brake_sum, x.drag_f, x.drag_r, x.blocks.p_f, x.blocks.p_r) for x in runs]
-        signals = np.array(each)
+        signals = np.array(each)  # (s, 5, blocks)
         np.maximum(signals[:, 3:], 1.0, out=signals[:, 3:])
-        means = self._mean(signals)
+        means = self._mean(signals)  # (s, 5, 1 + k)
         brake, weight = means[:, 0], self._car.weight
         log_odds = self._run.log_odds(means[:, 3], means[:, 4])
         return (brake - brake[:, :1]) / weight, means[:, 1:3] / weight, log_odds
 
     def _rows_of(self, run: RampRun) -> Array:
+        """``rows`` of a variant of the run: its own where the wheel speeds are those of the run."""
         b, own = run.blocks, self._run.blocks
         same = b.omega_f is own.omega_f and b.omega_r is own.omega_r
         return self.rows if same else self._wheels(run)[0]
 
     def _wheels(self, run: RampRun) -> tuple[Array, tuple[dict[str, Array], dict[str, Array]]]:
-        """Rows of eta and slip, and their errors."""
+        """``rows`` and ``errors`` by the wheel speeds, and by v where it is logged."""
         b, noise, mean, car = run.blocks, run.noise, self._mean, self._car
         time = self._mean.sizes * b.length
         eta, wheels = mean(b.eta), noise.omega / mean(b.omega_f)
@@ -132,10 +137,10 @@ class _Ramp:
 
 
 class Solution(NamedTuple):
-    """Posterior of the linear parameters of draws (..., n), in standard normal numbers x.
+    """Posterior of the linear parameters of draws (..., n), in standard normal numbers x (3,).
 
-    ``log_evidence`` (..., n); ``mean`` (..., n, 3), ``precision`` (..., n, 3, 3) of x; ``design``
-    (..., n, 3, k), ``data`` (..., n, k) whitened.
+    ``log_evidence`` (..., n) ln of the likelihood of a draw; ``mean`` (..., n, 3) and ``precision``
+    (..., n, 3, 3) of x; whitened ``design`` matrix (..., n, 3, k) and ``data`` (..., n, k).
     """
 
     log_evidence: Array
@@ -145,19 +150,20 @@ class Solution(NamedTuple):
     data: Array
 
     def take(self, places: int | Index) -> "Solution":
-        """The posterior at some places of the first axis."""
+        """The posteriors at ``places`` of the first axis."""
         return Solution(*(x[places] for x in self))
 
     def residual(self, draw: int) -> Array:
-        """Residual of one draw at its mean, in standard deviations (k,)."""
+        """Residual (k,) of one draw with its mean of x, in standard deviations."""
         return np.asarray(self.data[draw] - self.mean[draw] @ self.design[draw])
 
 
 class Regression:
-    """The regression on all ramps: rows of eta, then of slip, of each ramp.
+    """The regression on all ramps: rows of eta, then of slip, of one ramp after the other.
 
-    ``most`` groups of blocks of a ramp, None for a row of each block. ``errors`` (k, m) by part of
-    a budget: the columns are errors of one standard deviation.
+    ``most`` is the largest number of groups of blocks of a ramp, None for a row of each block.
+    ``errors`` (k, m) by part of a budget: a column is an error of one standard deviation. ``white``
+    (k, k) whitens the rows.
     """
 
     def __init__(self, car: Vehicle, runs: list[RampRun], most: int | None = _GROUPS) -> None:
@@ -174,7 +180,7 @@ class Regression:
     def with_forces_of(self, variants: Sequence[Sequence[RampRun]]) -> "Regression":
         """The same regression with the forces of each of ``variants`` (s,) of its runs.
 
-        The errors stay; what it gives has an axis (s, ...) more.
+        The errors are those of the runs themselves; results have an additional first axis (s,).
         """
         other = copy.copy(self)
         pairs = zip(self.ramps, zip(*variants, strict=True), strict=True)
@@ -182,19 +188,26 @@ class Regression:
         return other
 
     def _errors_of(self, cause: str) -> Array:
+        """Errors of all rows by one cause (k, m): those of two ramps are independent."""
         from scipy.linalg import block_diag
 
-        each = [(of, np.zeros((r.z.size - 1, 0))) for r in self.ramps for of in r.errors]
-        return np.asarray(block_diag(*(of.get(cause, none) for of, none in each)))
+        parts = []
+        for ramp in self.ramps:
+            none = np.zeros((ramp.z.size - 1, 0))
+            parts += [of_rows.get(cause, none) for of_rows in ramp.errors]
+        return np.asarray(block_diag(*parts))
 
     def _form(self) -> Array:
-        """Covariance of the discrepancy of the tyre form, which is correlated over z."""
-        each = [(r, of, x) for r in self.ramps for of, x in zip(_KINDS, r.rows, strict=True)]
-        kind = np.concatenate([np.full(x.size, f"{of} {r.only}") for r, of, x in each])
-        off = [_ERROR[of] * np.maximum(np.abs(x), _FINEST) for _, of, x in each]
-        size = np.concatenate(off)
-        self.places = np.concatenate([r.z[1:] for r, _, _ in each])
-        self.discrepancy_sizes = {of: size * (kind == f"{of} None") for of in _KINDS}
+        """Covariance (k, k) of the discrepancy of the tyre form, which is correlated over z.
+
+        Rows of two kinds, and of ramps with other braked axles, have independent discrepancies.
+        """
+        each = [(ramp, *row) for ramp in self.ramps for row in zip(_KINDS, ramp.rows, strict=True)]
+        kind = np.concatenate([np.full(x.size, f"{name} {ramp.only}") for ramp, name, x in each])
+        sizes = [_DISCREPANCY[name] * np.maximum(np.abs(x), _FINEST) for _, name, x in each]
+        size = np.concatenate(sizes)
+        self.places = np.concatenate([ramp.z[1:] for ramp, _, _ in each])
+        self.discrepancy_sizes = {name: size * (kind == f"{name} None") for name in _KINDS}
         near = _near(self.places, self.places) * (kind[:, None] == kind)
         return np.asarray(size[:, None] * size * (near + _ROUGH * np.eye(size.size)))
 
@@ -203,27 +216,30 @@ class Regression:
         return [loaded_tyres(self.car, e, r.z) for r in self.ramps]
 
     def rows(self, e: Ensemble, loaded: Sequence[LoadedTyres] | None = None) -> tuple[Array, Mask]:
-        """Design matrix and data, (..., n, 4, k), and whether all tyres are below their peaks.
+        """Design matrix and data, (..., n, 4, k), and whether no tyre is beyond its peak (..., n).
 
-        ``loaded`` tyres of the draws ``e``, if they are known.
+        Of the four, three belong to front and rear compliance and fall of the radii; the last is
+        the data. ``loaded`` tyres of the draws ``e``, computed where they are not given.
         """
         pairs = zip(self.ramps, loaded or self.loaded(e), strict=True)
         rows, rolls = zip(*(self._rows_of(r, e, tyres) for r, tyres in pairs), strict=True)
         return np.concatenate(rows, axis=-1), np.asarray(np.stack(rolls).all(axis=0))
 
     def _rows_of(self, r: _Ramp, e: Ensemble, tyres: LoadedTyres) -> tuple[Array, Mask]:
-        """The same of one ramp."""
+        """`rows` of one ramp."""
         share = front_share(self.car, e.log_pad_ratio[:, None] + r.log_odds[..., None, :])
         brakes = np.stack([share, 1.0 - share], axis=-3) * r.brake[..., None, None, :]
         unit = tyres.slips(brakes + r.moments[..., None, :])
-        by, grown = (x[..., 1:] - x[..., :1] for x in (unit.slip, unit.grown))
+        # changes since the lead-in: slips (..., 2, n, k), loads (2, n, k)
+        slips, grown = (x[..., 1:] - x[..., :1] for x in (unit.slip, unit.grown))
         load, front = unit.load[..., 1:], unit.slip[..., 0, :, 1:]
         rows = np.empty((*front.shape[:-1], 4, 2 * front.shape[-1]))
         of_eta, of_slip = np.split(rows, 2, axis=-1)
-        of_eta[..., 0, :], of_eta[..., 1, :] = by[..., 0, :, :], -by[..., 1, :, :]
+        of_eta[..., 0, :], of_eta[..., 1, :] = slips[..., 0, :, :], -slips[..., 1, :, :]
         of_eta[..., 2, :] = grown[1] - grown[0]
+        # (eta - 1) (1 - slip_f) is linear in the compliances; slip_f by the mean compliance
         of_eta[..., 3, :] = r.rows[..., :1, :] * (1.0 - CAR.compliance.mean * front)
-        of_slip[..., :2, :] = (load * by).swapaxes(-3, -2)
+        of_slip[..., :2, :] = (load * slips).swapaxes(-3, -2)
         of_slip[..., 2, :], of_slip[..., 3, :] = -np.sum(load * grown, axis=0), r.rows[..., 1:, :]
         return rows, np.asarray(unit.rolls.all(axis=-1))
 
@@ -236,44 +252,47 @@ class Regression:
         *,
         anywhere: bool = False,
     ) -> Solution:
-        """Integrate over linear parameters ``centre`` (n, 3) + ``root`` x, x standard normal.
+        """Integrate over linear parameters ``centre`` (n, 3) + ``root`` (n, 3, 3) x, x normal (3,).
 
-        ``loaded`` as of `rows`. ``anywhere``: beyond the peak of a tyre too, with the slip there.
+        ``loaded`` as in `rows`. A draw with a tyre beyond its peak has no likelihood, unless
+        ``anywhere``: then it has the slip of the peak.
         """
         rows, rolls = self.rows(e, loaded)
-        turned = np.zeros((e.size, 4, 4))  # to rows of x, and to data less those of the centre
-        turned[:, :3, :3], turned[:, 3, :3] = root.transpose(0, 2, 1), -centre
-        turned[:, 3, 3] = 1.0
-        white: Array = turned @ (rows @ self.white.T)
+        # rows of the parameters to rows of x, and data to data less the part of the centre
+        to_x = np.zeros((e.size, 4, 4))
+        to_x[:, :3, :3], to_x[:, 3, :3], to_x[:, 3, 3] = root.transpose(0, 2, 1), -centre, 1.0
+        white: Array = to_x @ (rows @ self.white.T)
         products: Array = white @ white.swapaxes(-2, -1)
         A, g, square = products[..., :3, :3] + np.eye(3), products[..., 3, :3], products[..., 3, 3]
         mean = np.asarray(np.linalg.solve(A, g[..., None])[..., 0], np.float64)
         square = square - np.sum(g * mean, axis=-1)
         log = -0.5 * (square + np.log(np.linalg.det(A)))
         linear = centre + (root @ mean[..., None])[..., 0]
-        log = np.where(anywhere | rolls & np.all(linear[..., :2] > 0.0, axis=-1), log, -np.inf)
+        possible = rolls & np.all(linear[..., :2] > 0.0, axis=-1)  # compliances are positive
+        log = np.where(anywhere | possible, log, -np.inf)
         return Solution(log, mean, A, white[..., :3, :], white[..., 3, :])
 
     def residuals(self, e: Ensemble) -> Array:
-        """Residuals of the rows, by draw, (n, k) [1]."""
+        """Residuals (n, k) of the rows of draws with their own linear parameters [1]."""
         rows = self.rows(e)[0]
         return np.asarray(rows[:, 3] - (e.linear[:, None] @ rows[:, :3])[:, 0])
 
     def discrepancies(self, residual: Array, rng: np.random.Generator) -> dict[str, Array]:
-        """Delay of v and discrepancies of the tyre form, by name of `Ensemble`, from residuals.
+        """Columns of an `Ensemble` from whitened residuals (n, k): ``v_late`` and ``depart_...``.
 
-        ``v_late`` a draw of the mean of the runs with v, 0 without any; ``depart_eta`` and
-        ``depart_slip`` posterior means of the discrepancy. ``residual`` whitened, (n, k).
+        ``v_late`` is a draw of the delay of v, the mean of the m runs with v, 0 without any.
+        ``depart_eta`` and ``depart_slip`` are posterior means of the discrepancy of the tyre form.
         """
         clock, near = self.white @ self._errors_of("clock"), _near(self.places, DEPART_AT)
-        root = np.linalg.cholesky(np.eye(clock.shape[1]) - clock.T @ clock)
-        late = residual @ clock + rng.standard_normal((len(residual), clock.shape[1])) @ root.T
-        return {"v_late": _CLOCK * np.sum(late, axis=1) / max(clock.shape[1], 1)} | {
-            f"depart_{of}": _ERROR[of] * (residual @ self.white * size) @ near
-            for of, size in self.discrepancy_sizes.items()
+        count = clock.shape[1]
+        root = np.linalg.cholesky(np.eye(count) - clock.T @ clock)
+        late = residual @ clock + rng.standard_normal((len(residual), count)) @ root.T  # (n, m)
+        return {"v_late": _CLOCK * np.sum(late, axis=1) / max(count, 1)} | {
+            f"depart_{name}": _DISCREPANCY[name] * (residual @ self.white * size) @ near
+            for name, size in self.discrepancy_sizes.items()
         }
 
 
 def _near(x: Array, y: Array) -> Array:
-    """Correlation of a tyre's discrepancy at decelerations ``x`` (n,) and ``y`` (k,)."""
+    """Correlation (a, b) of a tyre's discrepancy at decelerations ``x`` (a,) and ``y`` (b,)."""
     return np.asarray(np.exp(-0.5 * ((x[:, None] - y) / CAR.form_length.mean) ** 2))

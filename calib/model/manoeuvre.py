@@ -1,8 +1,9 @@
 """Manoeuvres for the simulation: brake pressure over time.
 
-    ramp ____/    step ___|----    stop ___/---    wave ___~~~~
+    ramp ____/    step ___|----    stop ___/---    wave ___~~~~    coast _______
 
-Every manoeuvre begins with an unbraked lead-in, where eta can be zeroed; `coast` is nothing else.
+Every manoeuvre begins with an unbraked lead-in, on which eta can be zeroed. A `coast` is unbraked
+to its end.
 """
 
 import numpy as np
@@ -12,41 +13,38 @@ from calib.base.errors import ModelError
 
 LEAD_IN = 1.5  # unbraked time at the start [s]
 
-_STEP_RATE = 400e5
-"""Rise of the pressure in a step [Pa/s], as a real master cylinder limits it; a driver in an
-emergency reaches 60 bar in 0.15 s."""
-
-_STOP_RATE = (
-    80e5  # rise of the pressure in a usual stop [Pa/s]: a foot reaches 30 bar in about 0.4 s
-)
-_RAMP_RATE = 5e5  # rise of a ramp [Pa/s]: from 33 m/s the sedan of the paper stops before 50 bar
+# Rise of the pressure [Pa/s]. Step: a driver in an emergency reaches 60 bar in 0.15 s. Stop: a foot
+# reaches 30 bar in about 0.4 s. Ramp: from 33 m/s the sedan of the paper stops before 50 bar.
+_STEP_RATE, _STOP_RATE, _RAMP_RATE = 400e5, 80e5, 5e5
 _HOLD = 1.0  # time for which a ramp keeps its last pressure [s]
 _SWING, _FREQUENCY = 0.4, 0.7  # amplitude over the mean pressure [1] and frequency [Hz] of a wave
 
-_USUAL = {
+_DEFAULTS = {
     "ramp": (60e5, _RAMP_RATE, _HOLD),
     "step": (30e5, _STEP_RATE, 20.0),
     "stop": (30e5, _STOP_RATE, 60.0),
     "wave": (25e5, _STEP_RATE, 20.0),
     "coast": (0.0, _STEP_RATE, 20.0),
 }
-"""Pressure [Pa] where none is given, its rise [Pa/s], and the time for which it is held [s]; of a
-coast the whole time."""
+"""Pressure [Pa] where none is given, its rise [Pa/s], and the time for which it is held [s].
+
+The time of a `coast` is that of the whole manoeuvre."""
 
 _BOUNDS = {"pressure": (1.0, 3e7, "Pa"), "rate": (40.0, 1e3, "Hz"), "duration": (1e-3, 600.0, "s")}
 """Least and largest value of each argument, with its unit; the rates are those of a log."""
 
-NAMES = tuple(_USUAL)
+NAMES = tuple(_DEFAULTS)
+"""Names of the manoeuvres."""
 
 
 def manoeuvre(
     name: str, pressure: float | None = None, rate: float = 200.0, duration: float | None = None
 ) -> tuple[Array, Array]:
-    """Return time [s] and pressure [Pa] (n,) of the manoeuvre of that name.
+    """Return time [s] and pressure [Pa], (n,) each, of the manoeuvre ``name`` of `NAMES`.
 
-    It has ``rate`` samples a second. ``duration`` [s] is the time of the rise of a ramp, the length
-    of a coast, and the time at ``pressure`` [Pa] of the others. Raises ModelError for an unknown
-    name, a pressure for `coast`, and numbers that cannot be driven.
+    ``rate`` is that of the samples [Hz]. ``duration`` [s] is the time of the rise of a ramp, the
+    length of a coast, and the time at ``pressure`` [Pa] of the other manoeuvres. Raises ModelError
+    for an unknown name, a pressure for `coast`, and numbers outside `_BOUNDS`.
     """
     if name not in NAMES:
         raise ModelError(f"unknown manoeuvre {name!r}", expected=f"one of {', '.join(NAMES)}")
@@ -58,11 +56,13 @@ def manoeuvre(
         if value is not None and not low <= value <= high:
             expected = f"{low:g} to {high:g} {unit}"
             raise ModelError(f"{quantity} {value:g} {unit}", where=name, expected=expected)
-    usual, slope, hold = _USUAL[name]
-    level = usual if pressure is None else pressure
+    default_pressure, slope, hold = _DEFAULTS[name]
+    level = default_pressure if pressure is None else pressure
     rise = level / slope
-    if duration is not None:
-        rise, hold = (duration, hold) if name == "ramp" else (rise, duration)
+    if duration is not None and name == "ramp":
+        rise = duration
+    elif duration is not None:
+        hold = duration
     top = LEAD_IN + rise
     end = hold if name == "coast" else top + hold
     time = np.arange(int(np.floor(end * rate + 1e-9)) + 1) / rate

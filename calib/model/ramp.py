@@ -1,7 +1,9 @@
-"""The ramps among the runs of a fit, ready to fit: blocks, and the forces of the axles.
+"""Sort the runs of a fit, and make each ramp ready: its blocks, and the forces of its axles.
 
-The pads' pressure gives the forces of both axles up to a common scale and the pads' ratio; the
-scale follows from the sum of forces.
+    runs --sort_runs--> ramps, coasts, stops        a ramp or stop --prepare--> RampRun
+
+The brake pressure gives the forces of both axles up to two unknowns: a common scale of the pads,
+and the ratio of front to rear pads. The scale follows from the sum of forces, see `pad_scale`.
 """
 
 from collections.abc import Sequence
@@ -30,33 +32,35 @@ from calib.run.same_run import refuse_copies
 
 @dataclass(frozen=True)
 class _FitSettings:
-    """What a fit takes as given. Those that decide a table's numbers are in its provenance."""
+    """Settings of a fit that no argument changes."""
 
     min_speed: float = 5.0
     """Below this v [m/s] the clock offset and the noise of v swallow the slip."""
     outlier: float = 4.0
-    """Residuals past this many sigma are named: of 500 blocks of noise one in 30 runs has one."""
+    """Residuals past this many sigma count as outliers: 500 blocks of pure noise have one in 30
+    runs."""
     fastest: float = 0.5
     """A block takes no part while the pressure changes the deceleration faster than this [g/s]: the
-    lag of pads, lines and body then moves eta by as much as its signal. A ramp to 0.6 g within 3 s
-    has 0.2, a pedal that is let go at its end 1 to 3."""
+    lag of pads, lines and body then moves eta by as much as braking does. A ramp to 0.6 g within
+    3 s has 0.2 g/s, a pedal that is let go at the end of a ramp 1 to 3 g/s."""
     late: float = 0.15
-    """Time [s] for which blocks are left out after such a change, too."""
+    """Time after a change faster than ``fastest`` for which blocks take no part either [s]."""
     disturbance_of_eta: float = 0.12
     """Departure of eta from its smooth course, divided by its range on the ramp, from which on
     something else acts: a gear shift of 240 N m moves it by a third of the range, a bump by all."""
     disturbance_of_force: float = 0.03
-    """Likewise of the demanded brake force, divided by its largest value."""
+    """The same departure of the demanded brake force, divided by its largest value."""
     disturbance_gate: float = 6.0
-    """How many times the usual scatter both must stand out."""
+    """Departure of eta or force over the usual scatter, from which on it is a disturbance."""
     fewest_blocks: int = 20
-    """With fewer braked blocks no disturbance is looked for. As many must be left below the top of
-    the ramp without the disturbed ones, and a fifth of this number must be calm on either side."""
+    """With fewer braked blocks no disturbance is looked for. A disturbance needs a fifth of this
+    number of calm blocks before it, after it, and at more force than it has."""
     disturbance_share: float = 0.3
-    """If more than this share of the braked blocks stands out, it is the car and no disturbance."""
+    """If more than this share of the braked blocks is disturbed, the cause is the car, and no block
+    is left out."""
     flat: float = 0.1
-    """The curve eta(z) is not read backwards where its slope is below this share of its first one:
-    there an error of eta moves D ten times as far as it should."""
+    """z is not read from the curve eta(z) where its slope is below this share of its first slope:
+    there an error of eta moves D ten times as far as at the start."""
     rows: int = 61
     """Rows of a look-up: linear interpolation between them errs by less than 1e-4 in D."""
     min_count: int = 3
@@ -71,14 +75,15 @@ _ZEROED = 3.0
 
 @dataclass(frozen=True)
 class RampRun:
-    """One ramp, ready to fit: blocks, what they say, and what is known beforehand. SI, shapes (k,).
+    """One ramp or stop, ready to fit: signals and forces of its k blocks. SI, shapes (k,).
 
-    ``load_f`` front axle load [N]; ``drag_f``, ``drag_r`` what slows the wheels besides
-    the brake, inertia included, as a force at the road [N]; ``brake_sum`` brake force of both axles
-    that the deceleration demands [N]; ``slip`` measured mean slip [1], None without v; ``use``
-    blocks that take part; ``accelerometer`` the correction of z, with what is left open, None
-    where z is exact; ``only`` the axle that brakes alone, None where both do; ``left_out`` blocks
-    of the braking in which something else acts, see `calib.fitting.disturbances`.
+    ``name`` of the log; ``blocks`` means of its signals, ``noise`` of its sensors; ``load_f`` front
+    axle load [N]; ``drag_f``, ``drag_r`` force at the road that slows the wheels of an axle besides
+    the brake, their inertia included [N]; ``brake_sum`` brake force of both axles that the
+    deceleration demands [N]; ``slip`` measured mean slip [1], None without v; ``use`` blocks that
+    take part in a fit; ``accelerometer`` the correction of z with its uncertainty, None where z is
+    exact; ``only`` the axle that brakes alone, None where both do; ``left_out`` braked blocks that
+    are disturbed, None before `calib.fitting.disturbances` has looked for them.
     """
 
     name: str
@@ -105,13 +110,13 @@ class RampRun:
         return np.asarray(np.log(np.maximum(p_f, 1.0) / np.maximum(p_r, 1.0)) + alone)
 
     def quasi_static(self, vehicle: Vehicle) -> Array:
-        """Deceleration [1] (k,) that gives a rigid car without effects the same axle loads."""
+        """Deceleration [1] (k,) at which a car without effects has these axle loads, by (6)."""
         moved = self.load_f * vehicle.wheelbase / vehicle.weight - vehicle.cg_to_rear_axle
         return np.asarray(moved / vehicle.cg_height)
 
     @cached_property
     def rolling(self) -> NDArray[np.int64]:
-        """The last blocks of the lead-in that take part: where eta and slip are zero."""
+        """Indices of the last blocks of the lead-in that take part: eta and slip are zero there."""
         lead = np.flatnonzero(self.blocks.lead_in & self.use)
         return lead[-round(_ZEROED / self.blocks.length) :]
 
@@ -125,35 +130,36 @@ class RampRun:
         return np.asarray(self.brake_sum - zero)
 
     def since_rolling(self, measured: Array) -> Array:
-        """Eta [1] (k,) less what it was on the lead-in: what the brakes did to it.
+        """A ``measured`` eta [1] (k,) less its mean on the lead-in: the part by braking.
 
-        Wheels of two sizes differ by per cents, which is no slip.
+        The mean holds the radii of the axles, which may differ by per cents.
         """
         return np.asarray(measured - np.mean(measured[self.rolling]))
 
 
 def sort_runs(runs: Sequence[Run]) -> tuple[list[Run], list[Run], list[Run]]:
-    """Ramps, coasts and stops, in the order of the digests of their logs.
+    """Ramps, coasts and stops among the ``runs``, each sorted by the digests of their logs.
 
-    A log without braking is a coast. One that brakes too fast for a ramp, by the rule `ramp_rise`,
-    is a stop, if another log brakes as slowly as a ramp. The order of the command line must not
-    change a bit of the table. Raises LogError for a log that will not do, that is not of this
-    vehicle, or that is there twice.
+    A log without braking is a coast. A log that brakes too fast for a ramp, by the rule
+    `ramp_rise`, is a stop, if another log brakes as slowly as a ramp. Raises LogError for a log
+    that cannot be used, that is not of this vehicle, or that is given twice.
     """
     refuse_copies([run.log for run in runs])
+    # the order of the command line must not change a bit of the table
     ordered = sorted(runs, key=lambda item: item.log.digest)
     coasts = [run for run in ordered if not run.events]
     braked = [run for run in ordered if run.events]
     reasons = {run: unusable(run, FIT if run.events else COAST, (REFUSE,)) for run in ordered}
-    fast = [run for run in braked if any(one.code == "ramp_rise" for one in reasons[run])]
+    fast = [run for run in braked if any(reason.code == "ramp_rise" for reason in reasons[run])]
     stops = fast if len(fast) < len(braked) else []
     reasons |= {run: unusable(run, VALIDATE) for run in stops}
     ramps = [run for run in braked if run not in stops]
     purposes = dict.fromkeys(coasts, COAST) | dict.fromkeys(ramps, FIT)
-    if every := [(one, run) for run in ordered for one in reasons[run]]:
+    all_reasons = [(reason, run) for run in ordered for reason in reasons[run]]
+    if all_reasons:
         # a mistake that all logs share may show itself in one of them alone
-        first = unexplained(one for one, _ in every)[0]
-        run = next(run for one, run in every if one is first)
+        first = unexplained(reason for reason, _ in all_reasons)[0]
+        run = next(run for reason, run in all_reasons if reason is first)
         require_none(reasons[run], run, purposes.get(run, VALIDATE))
     if not ramps:
         raise LogError(
@@ -171,14 +177,15 @@ def sort_runs(runs: Sequence[Run]) -> tuple[list[Run], list[Run], list[Run]]:
 
 
 def prepare(run: Run, effects: Effects, accelerometer: Accelerometer | None = None) -> RampRun:
-    """Loads, resistances and the demanded brake force of each block of a ramp.
+    """Return the ramp of a run: loads, resistances and demanded brake force of each block.
 
-    ``effects`` known of body and wheels; z is put right by the ``accelerometer``, if given.
+    ``effects`` known of body and wheels; the ``accelerometer`` corrects z, if given.
 
-    A block in which an axle would lift holds a glitch of a_x: it has no loads and no part. Nor has
-    one between the lead-in and the bite, or after a release: nobody knows whether the pads touch;
-    nor one so long before the bite that its radii are forgotten (`calib.run.noise`); nor one in
-    which the pressure changes fast, as when the pedal is let go.
+    Blocks of these kinds take no part in a fit:
+    * an axle would lift, which only a glitch of a_x shows; such a block has no loads either;
+    * between the lead-in and the bite, and after a release: the pads may touch;
+    * so long before the bite that the zeros of eta and slip are lost (`calib.run.noise`);
+    * the pressure changes fast, or has just before, as when the pedal is let go.
     """
     vehicle, b, noise = run.car, run.felt(accelerometer), run.noise
     forces = block_balance(vehicle, effects, b)
@@ -207,7 +214,6 @@ def prepare(run: Run, effects: Effects, accelerometer: Accelerometer | None = No
         speed = np.maximum(b.speed, SETTINGS.min_speed)  # slower blocks take no part
         slip_density = np.asarray(np.hypot(noise.v / speed, noise.omega / turning))
         is_zeroed |= np.isfinite(sigma_growth(b.end, b.lead_in, slip_density))
-    # the pressure changes slowly enough, and has just before
     B_f, B_r = nominal_forces(vehicle, ramp, 0.0)
     rate = np.abs(np.gradient((B_f + B_r) / vehicle.weight, b.end))
     steady = time_since(b.end, rate > SETTINGS.fastest) > SETTINGS.late
@@ -215,13 +221,20 @@ def prepare(run: Run, effects: Effects, accelerometer: Accelerometer | None = No
 
 
 def pad_scale(run: RampRun, B_f: Array, B_r: Array) -> float:
-    """Common factor on the brake forces that makes their sum the demanded one, least squares."""
+    """Factor [1] on brake forces ``B_f``, ``B_r`` [N] (k,) that fits their sum to the demanded one.
+
+    The fit is by least squares over the braked blocks.
+    """
     total = (B_f + B_r)[run.braked]
     return float(total @ run.braking[run.braked] / (total @ total))
 
 
 def nominal_forces(vehicle: Vehicle, run: RampRun, log_ratio: Array | float) -> tuple[Array, Array]:
-    """Brake forces [N] of the blocks with nominal pads at a pad ratio; a released axle has none."""
+    """Brake forces [N] of front and rear axle, (k,) each, with nominal pads.
+
+    ``log_ratio`` is ln of the ratio of front to rear pads over that of the file [1]. Without
+    pressure, or where the other axle brakes alone, an axle has none.
+    """
     b = run.blocks
     biting = np.maximum(b.p_f, b.p_r) > 0.5 * BITE
     p_f, p_r = (p * (biting & (run.only in (None, a))) for a, p in (("f", b.p_f), ("r", b.p_r)))

@@ -1,13 +1,13 @@
-"""What a roller brake tester says of the pads: the brake force of each axle at some pressures.
+"""The ratio of front to rear pads from a roller brake tester: brake forces at some pressures.
 
     F |        .x     F = k (F_n(p) - F_0)    F_n by the vehicle file, (2), (3): 2 mu C p/R
       |      x'       k    pads over those of the file
       |   .x          F_0  springs and seals, less the rolling resistance on the rollers
       +--+------ F_n
 
-The rollers measure each axle alone, so the pads' ratio is known without any tyre: that of cold pads
-at walking speed. On the road their friction differs, by nearly the same factor on both axles; what
-differs between the axles is in no sigma here.
+The rollers measure each axle alone, so the pads' ratio follows without any tyre. It is the ratio of
+cold pads at walking speed. On the road the friction differs, by nearly the same factor on both
+axles; a difference of these factors is not part of the standard deviation given here.
 """
 
 from dataclasses import dataclass
@@ -24,7 +24,7 @@ from calib.car.brakes import brakes_of
 from calib.car.history import constant_speed
 from calib.car.keys import KEYS
 from calib.car.model import default_model
-from calib.car.vehicle import Vehicle
+from calib.car.vehicle import Axle, Vehicle
 from calib.table.table import Value
 
 TOLERANCE = 0.01
@@ -44,11 +44,12 @@ the same rollers. The rest is an axle's own: how the machine bends from small to
 the wheels stand. No rule says how much is which: half and half."""
 
 _NO_LINE = 0.1
-"""Largest relative sigma of a slope; beyond it its rows are on no line: without any rollers pads of
-one grade are known as well."""
+"""Largest relative standard deviation of a slope [1]. With a larger one the rows are on no line: by
+the grade of the pads their friction is known as well."""
 
 _LEAST_SPREAD = 1e-6
-"""Spread of nominal forces [N] below which they do not rise."""
+"""Root of the sum of squares of nominal forces less their mean [N], below which they do not
+rise."""
 
 _PADS = next(key for key in KEYS if key.path == "front.pad_friction")
 
@@ -77,11 +78,11 @@ class RollerBench:
     rear: AxleOnRollers
 
     def log_pad_ratio(self, vehicle: Vehicle) -> Value:
-        """ln of (mu_f/mu_r) over its value in the vehicle file [1].
+        """ln of (mu_f/mu_r) over its value in the vehicle file [1], with its standard deviation.
 
-        Sigma from the scatter of the rows and what of the tolerance is each axle's own. The
-        relative scatter is that of both axles together, since few rows of one axle hardly determine
-        it; Student's t allows for the few.
+        The standard deviation has two parts: the scatter of the rows, and the part of the tolerance
+        that is each axle's own. The relative scatter is estimated from the rows of both axles
+        together, since one axle has few; Student's t allows for their number.
 
         Raises BenchError for rows on no line that rises and for pads that no car has; ModelError
         for an effect of the vehicle that cannot be used.
@@ -96,12 +97,13 @@ class RollerBench:
         return Value(value, float(np.sqrt(sigma_f**2 + sigma_r**2 + of_tolerance)))
 
     def _line(self, vehicle: Vehicle, axle: str) -> "_Line":
-        """The line of an axle's forces over nominal ones, by least squares.
+        """The line of an axle's measured forces over its nominal ones, by least squares.
 
-        Its slope is 0 where those do not rise, as behind a valve that shuts.
+        Its slope is 0 where the nominal forces do not rise, as behind a valve that shuts.
         """
         name = AXLE_NAMES[axle]
-        rows, pads = (getattr(part, name) for part in (self, vehicle))
+        rows: AxleOnRollers = getattr(self, name)
+        brake: Axle = getattr(vehicle, name)
         pressure, force = np.array(sorted(zip(rows.pressure, rows.force, strict=True))).T
         nominal, mean = _nominal(vehicle, axle, pressure, self.source), float(force.mean())
         x = nominal - nominal.mean()
@@ -118,7 +120,7 @@ class RollerBench:
                 expected=f"rows on a line, whose slope is known to {100 * _NO_LINE:g} %",
                 do="leave out rows where the wheels slip on the rollers; measure more pressures",
             )
-        friction = slope * pads.pad_friction
+        friction = slope * brake.pad_friction
         if not _PADS.least <= friction <= _PADS.most:
             raise BenchError(
                 f"the brake force of the {name} axle asks for a pad friction of {friction:.3g}",
@@ -131,9 +133,10 @@ class RollerBench:
 
 
 def _nominal(vehicle: Vehicle, axle: str, pressure: Array, source: str) -> Array:
-    """Brake force of an axle [N] (n,) by the vehicle file at ``pressure`` [Pa] (n,), increasing.
+    """Brake force of an axle [N] (n,) by the vehicle file at an increasing ``pressure`` [Pa] (n,).
 
-    With the known effects on pressure and pads: a valve, a threshold.
+    It includes the known effects on pressure and pads, such as a valve or a threshold. ``source``
+    of the rows, for errors.
     """
     time = _HELD * np.arange(pressure.size, dtype=np.float64)
     run = constant_speed(time, pressure, _SPEED, source=source)

@@ -1,11 +1,11 @@
-"""The forces of a roller brake tester as a TOML file.
+"""Read the forces of a roller brake tester from a TOML file.
 
     schema = 1
-    tolerance = 0.01                                    # one sigma; may be left out
+    tolerance = 0.01                                    # one standard deviation; may be left out
 
     [front]
     p_mc = ["10 bar", "20 bar", "30 bar"]
-    brake_force = ["2.2 kN", "4.5 kN", "6.8 kN"]        # of both wheels
+    brake_force = ["2.2 kN", "4.5 kN", "6.8 kN"]        # of both wheels together
 
     [rear]
     p_mc = ["10 bar", "20 bar", "30 bar"]
@@ -29,7 +29,7 @@ from calib.car.braking import BITE
 from calib.model.roller_bench import TOLERANCE, AxleOnRollers, RollerBench
 
 _FEWEST = 3
-"""Pressures of an axle: two make a line, the third shows its scatter."""
+"""Fewest pressures of an axle: two give a line, the third shows its scatter."""
 
 _Pressure = Annotated[float, QuantityMark("Pa", 0.0, 4e7)]
 _Force = Annotated[float, QuantityMark("N", 1.0, 2e5)]
@@ -64,7 +64,7 @@ class _AxleRows(Section):
 
     @property
     def rows(self) -> AxleOnRollers:
-        """Pressure, and force of both wheels."""
+        """The rows as `RollerBench` has them."""
         return AxleOnRollers(tuple(self.p_mc), tuple(self.brake_force))
 
 
@@ -79,7 +79,7 @@ class RollerBenchFile(FileSchema):
 def read_roller_bench(path: Path | str) -> RollerBench:
     """Read the forces of a roller brake tester (TOML, ``schema = 1``, quantities with units).
 
-    Raises one BenchError with all that is wrong in it.
+    Raises one BenchError that lists all that is wrong in the file.
     """
     file = read_toml(Path(path), RollerBenchFile, BenchError)
     return RollerBench(

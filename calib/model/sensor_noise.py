@@ -1,9 +1,9 @@
-"""Sensor noise on a simulated log: white, coloured, rounded; the same for the same seed.
+"""Add sensor noise to a simulated log; the same seed gives the same noise.
 
-    reading = round(truth + white + coloured),   coloured: x[k+1] = a x[k] + e,  a = exp(-dt/0.1 s)
+    reading = round(truth + white + x),   coloured: x[k+1] = a x[k] + e,   a = exp(-dt/0.1 s)
 
-The default levels follow the coasting log of `sample_logs/sedan`: body motion makes a large part of
-the accelerometer's variance slow.
+The default levels are those of the coasting log of `sample_logs/sedan`. There a large part of the
+accelerometer's variance is slow, by the motion of the body.
 """
 
 import zlib
@@ -47,7 +47,7 @@ LEVELS: dict[str, NoiseLevel] = {
 def add_noise(log: Log, seed: int, levels: Mapping[str, NoiseLevel] = LEVELS) -> Log:
     """Return the log with sensor noise; channels without a level, and the truth, are not changed.
 
-    The coloured part uses the median step; it is exact for a uniform clock.
+    The coloured part takes the clock as uniform, with the median step.
     """
     channels = dict(log.channels)
     for name in channels.keys() & levels.keys():
@@ -66,7 +66,7 @@ def add_noise(log: Log, seed: int, levels: Mapping[str, NoiseLevel] = LEVELS) ->
 def reading(
     truth: Array, level: NoiseLevel, sample_time: float, random: np.random.Generator
 ) -> Array:
-    """Reading of a sensor for ``truth`` (n,), sampled every ``sample_time`` [s]."""
+    """Reading (n,) of a sensor for its ``truth`` (n,), sampled every ``sample_time`` [s]."""
     from scipy.signal import lfilter
 
     white = level.sd * np.sqrt(1.0 - level.coloured) * random.standard_normal(truth.size)

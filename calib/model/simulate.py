@@ -1,8 +1,8 @@
-"""Simulation: from pressure and first speed to the channels of a log, or of a log again.
+"""Simulate a braking from pressure and first speed: all channels of a log, with their truth.
 
-Valid for a straight line and slip on the rising branch of the tyre. Left and right tyres are equal,
-and the load transfer has no delay, unless the model has an effect for it. The method of solution is
-in `calib.model.solver`.
+`simulate` takes the pressure as given, `replay` that of a log. `calib.model.solver` solves the
+equations of motion. Valid for a straight line and slip on the rising branch of the tyre. Left and
+right tyres are equal, and the load transfer has no delay, unless the model has an effect for it.
 """
 
 from collections.abc import Mapping
@@ -29,14 +29,14 @@ from calib.run.pedal import as_pressed
 
 STEP = 0.005
 """Longest step of the solver [s]. The backward difference of the wheels' speed is half a step late,
-and with it their momentum: with rotating masses of 4 %, a change of 5 m/s^2 puts v off by
-0.0005 m/s. At 0.025 s it is 0.0024 m/s, and a noise-free log shows that
+and so is their momentum: with rotating masses of 4 %, a change of 5 m/s^2 puts v off by 0.0005 m/s.
+A step of 0.025 s puts it off by 0.0024 m/s, which a noise-free log shows
 (tests/model/test_replay.py)."""
 
-
 _FIRST_SECONDS, COAST_SECONDS = 0.25, 1.5
-"""Shortest and longest span [s] of the line for the first speed: it reduces 0.02 m/s of noise to
-0.006 m/s, a beginning braking changes v by less than 0.01 m/s, and drag bends it by 0.001 m/s."""
+"""Shortest and longest time over which the first speed is fitted by a line [s]. Over the shortest
+one a beginning braking changes v by less than 0.01 m/s, and 0.02 m/s of noise becomes 0.006 m/s;
+over the longest one drag bends v by 0.001 m/s."""
 
 
 def simulate(
@@ -63,18 +63,19 @@ def simulate(
     model : the car with pads, tyre and effects; `calib.default_model` of a vehicle, or the
         ``model_after`` of a diagnosis.
     pressure, wheel_pressure : at the master cylinder, and of single wheels by name [Pa].
-    v0, stop_speed : first speed, and the one at which the simulation ends [m/s].
-    temperature, start_heat : of the discs [degC] by axle, ``f`` and ``r``; thermal fade takes an
-        assumed disc, heated by its brake, on an axle without one, from ``start_heat`` on.
+    v0, stop_speed : first speed, and the speed at which the simulation ends [m/s].
+    temperature : of the discs [degC] by axle, ``f`` and ``r``. Thermal fade on an axle without one
+        takes an assumed disc, heated by its brake.
+    start_heat : temperature of the assumed discs at the start [degC], front and rear.
     drive_torque : of engine or motor at both wheels of an axle together [N m], by axle, negative
-        where it slows. It adds to ``engine_drag``.
-    wheel_angle : of the wheels of an axle [rad], by axle: what ripples with the turn of the wheels
-        follows it, or else the simulation's own angle, from 0 at the first sample.
+        where it slows. It adds to the effect ``engine_drag``.
+    wheel_angle : of the wheels of an axle [rad], by axle, for effects that ripple with it; without
+        one, the simulation's own angle from 0 at the first sample.
 
     Returns
     -------
-    A log with truth channels. It ends with the last sample at or above ``stop_speed``, or the last
-    one before a wheel would pass the peak of its tyre or an axle would lift; its last note
+    A log with truth channels. It ends with the last sample at or above ``stop_speed``, or with the
+    last one before a wheel would pass the peak of its tyre or an axle would lift; its last note
     gives the time and the reason.
 
     Raises ModelError if nothing can be simulated.
@@ -98,11 +99,11 @@ def simulate(
     if time.size < 2 or not np.all(np.diff(time) > 0.0):
         raise ModelError("time does not increase", expected="two samples or more, increasing")
     clock, samples = fine_clock(time)
-    (p_mc,) = _along(time, clock, {"pressure": pressure}, ("pressure",)).values()
+    p_mc = _along(time, clock, {"pressure": pressure}, ("pressure",))["pressure"]
     at_wheels = _along(time, clock, wheel_pressure, WHEELS)
-    heat, engine, angle = (
-        _along(time, clock, x, AXLES) for x in (temperature, drive_torque, wheel_angle)
-    )
+    heat = _along(time, clock, temperature, AXLES)
+    engine = _along(time, clock, drive_torque, AXLES)
+    angle = _along(time, clock, wheel_angle, AXLES)
     driven = replace(model, vehicle=as_driven(model.vehicle, model.effects))
     history_at_v0 = constant_speed(clock, p_mc, v0, heat, name, start_heat)
     none = np.zeros_like(clock)
@@ -119,8 +120,9 @@ def simulate(
     logged = {f"p_{w}": at_wheels[w] for w in WHEELS if w in at_wheels}
     for kind, inputs in (("T_disc", heat), ("T_drive", engine)):
         logged |= {f"{kind}_{a}": inputs[a] for a in AXLES if a in inputs}
-    signals = _channels(run, state, history) | logged, _truth(run, state, history)
-    channels, truth = ({name: x[places] for name, x in each.items()} for each in signals)
+    simulated = _channels(run, state, history) | logged
+    channels = {channel: x[places] for channel, x in simulated.items()}
+    truth = {channel: x[places] for channel, x in _truth(run, state, history).items()}
     return Log(
         name=name,
         source=f"simulation of {model.vehicle.name}",
@@ -139,9 +141,9 @@ def replay(
 ) -> Log:
     """Simulate the model with the pressures of a log from its first speed, open loop.
 
-    Wheel pressures [Pa] are used if they are logged, else ``p_mc``; disc temperatures and the
-    torque of engine or motor if they are logged; the rest as in `simulate`. Raises LogError if the
-    log has no first speed, ModelError if there is nothing to simulate.
+    Wheel pressures, disc temperatures and the torques of engine or motor are used where they are
+    logged. ``wheel_angle`` and ``start_heat`` as in `simulate`. Raises LogError if the log has no
+    first speed, ModelError if there is nothing to simulate.
     """
     step = log.sample_time
     return simulate(
@@ -165,9 +167,9 @@ def replay(
 def first_speed(log: Log, vehicle: Vehicle, late: float = 0.0) -> float:
     """Speed [m/s] at the first sample, from a straight line through the first samples of ``v``.
 
-    Without ``v``, through the mean of R omega over the wheels: too low by their slip if the log
-    begins with braking. ``late`` [s] is the time by which ``v`` is read late. Raises LogError if
-    there are not two finite samples.
+    Without ``v`` the line goes through the mean of R omega over the wheels, which is too low by
+    their slip if the log begins with braking. ``late`` [s] is the time by which ``v`` is read late.
+    Raises LogError if there are not two finite samples.
     """
     since = log.time - log.time[0]
     braked = np.flatnonzero(log["p_mc"] > BITE) if "p_mc" in log else np.array([0])
@@ -197,7 +199,10 @@ def _rolling_speed(log: Log, vehicle: Vehicle) -> Array:
 def _along(
     time: Array, clock: Array, inputs: Mapping[str, Array] | None, names: tuple[str, ...]
 ) -> dict[str, Array]:
-    """Inputs along the fine clock. Raises ModelError for a name or values that cannot be."""
+    """Inputs (n,) at ``time``, interpolated to the fine ``clock`` (m,), by name.
+
+    Raises ModelError for a name not in ``names``, and for values that are not finite or not (n,).
+    """
     for name, values in (inputs or {}).items():
         if name not in names:
             raise ModelError(f"unknown input {name!r}", expected=f"one of {', '.join(names)}")
@@ -211,6 +216,7 @@ def _along(
 
 
 def _channels(run: Drive, state: SolverState, history: RunHistory) -> dict[str, Array]:
+    """Channels as the car's sensors read them, (m,) each, by name."""
     model, brakes = run.brakes.model, run.brakes
     a_x = as_read(model.vehicle, model.effects, history, -G * state.z)
     channels = {"time": run.time, "p_mc": run.inputs.p_mc, "a_x": a_x}
@@ -226,6 +232,7 @@ def _channels(run: Drive, state: SolverState, history: RunHistory) -> dict[str, 
 
 
 def _truth(run: Drive, state: SolverState, history: RunHistory) -> dict[str, Array]:
+    """Truth channels, (m,) each, by name."""
     twins = {w: run.brakes.twin(w) for w in WHEELS}
     truth = {f"true_Tb_{w}": state.torque[twin] for w, twin in twins.items()}
     truth |= {f"true_Fx_{w}": state.force[twin] for w, twin in twins.items()}
@@ -235,9 +242,9 @@ def _truth(run: Drive, state: SolverState, history: RunHistory) -> dict[str, Arr
 
 
 def fine_clock(time: Array) -> tuple[Array, Index]:
-    """Divide every step of ``time`` [s] (n,), increasing, into equal ones of `STEP` at most.
+    """Divide each step of an increasing ``time`` [s] (n,) into equal steps of `STEP` at most.
 
-    The fine clock [s] (m,), and the places of the samples of ``time`` in it (n,).
+    Return the fine clock [s] (m,), and the indices of the samples of ``time`` in it (n,).
     """
     parts = np.ceil(np.diff(time) / STEP - 1e-6).astype(np.intp)
     places = np.concatenate([[0], np.cumsum(np.maximum(parts, 1))]).astype(np.intp)

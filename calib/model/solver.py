@@ -1,20 +1,22 @@
-"""Fixed-point iteration for a run: speed, loads, torques and slips, until they agree.
+"""Solve the equations of a run by a fixed-point iteration over speed, loads, torques and slips.
 
     v(t) --> loads, effects, torques --> slip (1) --> tyre forces --> z(t) (5) --> v(t)
-     ^                                                                  |
-     +------------------ until v and slip no longer change -------------+
+     ^                                                                              |
+     +------------------------ until v and slip do not change ----------------------+
 
 An iteration takes every sample at once. Each sample depends on earlier ones only, so the
-solution converges from the first sample to the last, and samples after the end of the run (the
-stop, or a wheel past the peak of its tyre) do not affect those before it.
+solution converges from the first sample to the last. Samples after the end of the run (the stop,
+or a wheel past the peak of its tyre) do not affect those before it.
 
-One wheel is in balance over the whole run at the slip that solves
+A wheel is in balance at the slip lambda that solves
 
-    F_x:  (J_w d omega/dt + T_b + M)/R  =  F_z F(lambda),   omega = v (1 - lambda)/R       (1) (21)
+    (J_w d omega/dt + T_b + M)/R  =  F_z F(lambda),   omega = v (1 - lambda)/R       (1) (21)
 
-d omega/dt is the difference to the sample before (backward Euler), so a step in pressure causes no
-numerical oscillation at any sampling rate. One Newton step for all samples is a bidiagonal system.
-The left side falls with slip and the right side rises, so it always has a solution.
+T_b is the brake torque, M all other torque that slows the wheel [N m], F the normalised force of
+the tyre [1]. d omega/dt is the difference to the sample before (backward Euler), so a step in
+pressure causes no numerical oscillation at any sampling rate. One Newton step for all samples is a
+bidiagonal system. The left side falls with slip and the right side rises, so there is always a
+solution.
 """
 
 from collections.abc import Mapping
@@ -39,20 +41,19 @@ TOLERANCE = 1e-9
 
 _ITERATIONS = 60  # each gains one to two digits; 30 s of coasting need about twelve
 _LEAST_LOAD = 0.01  # share of the weight below which an axle counts as lifted [1]
-
-
 _EDGE = 0.999
-"""End of the rising branch, as in `MagicFormula.slip_at`. The force there is within 2e-6 of the
-peak and the slope is still positive, so the equations can be solved."""
+"""Share of the rising branch that is used [1], as `MagicFormula.slip_at` takes it. The force there
+is within 2e-6 of the peak, and the slope is still positive, so the equations can be solved."""
 
 
 def rising_branch(
     tyre: MagicFormula, slip: Array, relative_load: Array
 ) -> tuple[Array, Array, Array]:
-    """Normalised force [1], its slope above zero, and the share of the rising branch used [1].
+    """Normalised force [1], its slope by slip [1], and the share of the rising branch used [1].
 
-    Beyond its end it goes on linearly, which helps the solver; a result there, with a share above
-    1, is not valid. ``relative_load`` axle load over half the weight [1]; shapes (n,).
+    Beyond the end of the branch the force goes on linearly, which helps the solver; a result there
+    has a share above 1 and is not valid. ``relative_load`` axle load over half the weight [1];
+    shapes (n,).
     """
     edge = tyre.slip_at(_EDGE, relative_load)
     clipped = np.clip(slip, -edge, edge)
@@ -63,10 +64,10 @@ def rising_branch(
 
 @dataclass(frozen=True)
 class Drive:
-    """Inputs that do not change between iterations.
+    """Inputs of a run, which do not change between iterations.
 
-    ``brakes`` with the model; ``inputs`` clock, pressure and temperatures; the others as in
-    `calib.model.simulate`, ``drive_torque`` front and rear.
+    ``brakes`` with the model; ``inputs`` clock, pressure and temperatures; ``drive_torque`` of
+    front and rear axle [N m] (n,); the others as in `calib.model.simulate`.
     """
 
     brakes: Brakes
@@ -78,13 +79,14 @@ class Drive:
 
     @property
     def time(self) -> Array:
-        """[s] (n,)."""
+        """The fine clock [s] (n,)."""
         return self.inputs.time
 
     def total(self, force: Mapping[str, Array]) -> Array:
-        """Sum of the tyre forces of all four wheels [N] (n,); one without a twin counts twice.
+        """Sum of the tyre ``force`` of all four wheels [N] (n,), given by wheel.
 
-        Summed by axle, so that two equal wheels give exactly the same sum as one that counts twice.
+        A left wheel without a right one counts twice. Each axle is summed first, so that two equal
+        wheels give exactly the same sum as one that counts twice.
         """
         axles = [force[f"{a}l"] + force.get(f"{a}r", force[f"{a}l"]) for a in AXLES]
         return axles[0] + axles[1]
@@ -94,7 +96,7 @@ class Drive:
         return self.v0 - integral(self.time, G * z)
 
     def moving(self, v: Array) -> Array:
-        """V [m/s] with a positive lower bound: after the stop only its sign matters."""
+        """V [m/s] with a positive lower bound, for the samples after the stop."""
         return np.maximum(v, 0.5 * self.stop_speed)
 
 
@@ -128,10 +130,10 @@ def solve(run: Drive) -> SolverState:
         if end < 2:
             raise ModelError("nothing to simulate", expected="two samples or more", do=why)
         valid = slice(0, end)
-        changes = [(new.v - state.v)[valid] / run.v0]
-        changes += [(new.slip[w] - state.slip[w])[valid] for w in new.slip]
+        of_v = (new.v - state.v)[valid] / run.v0
+        of_slips = [(new.slip[w] - state.slip[w])[valid] for w in new.slip]
         state = new
-        if np.max(np.abs(changes)) < TOLERANCE:
+        if np.max(np.abs([of_v, *of_slips])) < TOLERANCE:
             return state
     raise ModelError(
         f"the simulation did not converge in {_ITERATIONS} iterations",
@@ -192,7 +194,7 @@ def _first(run: Drive) -> SolverState:
 
 
 def _iterate(run: Drive, old: SolverState) -> SolverState:
-    """Loads (6), (7), effects, one step of (1) for every wheel, (5), and v."""
+    """One iteration: loads (6), (7), effects, one Newton step of (1) for each wheel, (5), and v."""
     model, vehicle = run.brakes.model, run.brakes.model.vehicle
     history, v = history_of(run, old), run.moving(old.v)
     loads = [np.maximum(load, _LEAST_LOAD * vehicle.weight) for load in _loads(run, old.z, history)]
@@ -212,16 +214,16 @@ def _iterate(run: Drive, old: SolverState) -> SolverState:
 
 
 def _next_slip(run: Drive, w: str, moment: Array, load: Array, old: SolverState) -> Array:
-    """One Newton step from the ``old`` slip [1] (n,) to the one that solves (1) in all samples.
+    """Slip [1] (n,) of the wheel ``w`` one Newton step of (1) after the ``old`` one.
 
-    ``moment`` of the brake and of all else that slows the wheel [N m], ``load`` F_z [N], (n,).
+    ``moment`` T_b + M of (1) [N m], ``load`` F_z [N], (n,) each.
     """
     from scipy.linalg.lapack import dtbtrs
 
     model, axle = run.brakes.model, run.brakes.axle(w)
     slip, v, step = old.slip[w], run.moving(old.v), np.diff(run.time)
     omega = forces.wheel_speed(axle, slip, v)
-    first = -G * old.z[0] * omega[0] / v[0]  # at constant slip
+    first = -G * old.z[0] * omega[0] / v[0]  # the first sample has a constant slip
     spin = np.concatenate([[first], np.diff(omega) / step])
     grip, slope, _ = rising_branch(model.tyre, slip, 4.0 * load / model.vehicle.weight)
     residual = forces.tyre_force(axle, moment, spin) - load * grip  # (1)

@@ -220,5 +220,7 @@ def test_log_of_a_car_with_other_wheels(fitted, wet):
     """The same stop with wheels of 0.30 m turns 7 % faster."""
     faster = {f"omega_{w}": wet[f"omega_{w}"] * 0.322 / 0.30 for w in ("fl", "fr", "rl", "rr")}
     other = replace(wet, channels={**wet.channels, **faster})
-    assert "(rolling_radius_f): 0.3 m" in refused(fitted, other)
+    message = refused(fitted, other)
+    assert "(rolling_radius_f)" in message
+    assert "0.3 m" in message
     assert validate(fitted, [without(other, "v")])  # without v it cannot be told

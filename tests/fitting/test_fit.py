@@ -228,7 +228,8 @@ def test_a_rear_biased_car_is_refused_for_what_it_is():
 def test_vehicle_of_another_car(run):
     other = read_vehicle(ROOT / "sample_logs/third_party/vehicle.toml")  # R = 0.344 m
     message = refused(run, vehicle=other)
-    assert "(rolling_radius_f): 0.322 m" in message
+    assert "(rolling_radius_f)" in message
+    assert "0.322 m" in message
 
 
 # The explicit round trip: what `simulate` makes, `fit` finds.

@@ -150,7 +150,7 @@ def test_more_cars_say_more_but_never_more_than_cars_are_alike(fleet):
     )
     for of in (one, five, many):
         variance = np.diag(of.covariance)
-        assert np.all(variance > module._CARS_APART)
+        assert np.all(variance > module._VARIANCE_IN_MODEL)
         assert np.all(variance < 1.01)
     assert np.trace(one.covariance) > np.trace(five.covariance) > np.trace(many.covariance)
     assert one.covariance[10, 10] == pytest.approx(1.0, abs=0.35)  # heights differ by loads
