@@ -269,10 +269,10 @@ def check_a_x(c: Constants, s: State) -> None:
     e.ratio = min(e.ratio, c.errs)
     if e.ratio <= 0.0:  # start anew
         e.ratio, e.v, e.slip, e.offset, e.scale = 0.0, 0.0, 0.0, 0.0, 0.0
-    if s.errs:  # its zero is no longer known
-        s.demand.variance = c.var_zero
+    if s.errs:
         e.failing += 1.0
-    if e.failing > 0.0:
+    if e.failing > 0.0:  # a_x or a motor: neither zero nor speed is known any longer
+        s.demand.variance = c.var_zero
         s.anchored = False
 
 
@@ -363,6 +363,7 @@ def step_filters(c: Constants, s: State, x: Sample[float], *, counts: bool) -> N
         s.share = 1.0
         if s.braked > 0.0 and s.released > c.released:
             reset_stop(c, s)
+            s.check.drive = x.drive  # no contradiction of a stop outlasts it
     predict(c, s, x, abs(s.mean_z - last_mean), braking=braking)
     if counts:
         update_wheels(c, s, x, braking=braking)

@@ -103,6 +103,8 @@ def _roll(c: Constants, s: State, x: Sample[float], *, counts: bool) -> None:
         s.waiting.append(x)
     else:
         s.waiting.clear()
+        if counts and x.pressure < c.untouched and x.demand > c.most_zero:
+            s.check.refused += 1.0
 
 
 def _update_speed(c: Constants, s: State, x: Sample[float]) -> None:

@@ -185,6 +185,20 @@ def test_an_a_x_that_jumps_in_a_stop_is_not_believed(step, drive_on, both):
     assert np.mean((later[:, FRONT + 1] < 0.25) & (later[:, FRONT + 2] > 0.25)) > 0.95
 
 
+@pytest.mark.parametrize("step", [-1.0, -2.0])
+def test_a_zero_of_a_x_that_moves_as_a_motor_lets_go_is_not_believed_in_the_next_stop(step, both):
+    slows = 0.1 * CAR.weight * CAR.front.rolling_radius
+    car = replace(REAL, motor=lambda t: (-slows * (2.8 < t < 4.0), 0.0))
+    run = drive(car, lambda t: 20e5 * (3.0 < t < 5.0) + 14e5 * (t > 7.5), 36.0, duration=10.0)
+    log = noisy(as_log(run), 3)
+    x = samples_of(log)
+    x[log.time > 4.0, A_X] += step
+    told = both(x)[log.time > 7.5]
+    told = told[told[:, REASON] == Reason.VALID]
+    for place in (FRONT, REAR):
+        assert np.all((told[:, place + 1] < 0.38) & (told[:, place + 2] > 0.38))
+
+
 def test_a_reset_while_braking_has_wider_bounds(drive_on, both):
     known, reset = (both(drive_on[(start < TIME) & (TIME < 4.9)])[-1] for start in (-1.0, 4.0))
     assert reset[RATIO + 2] / reset[RATIO + 1] > known[RATIO + 2] / known[RATIO + 1]

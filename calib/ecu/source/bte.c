@@ -132,6 +132,9 @@ static void roll(bte_state *state, const bte_block *x, bool counts) {
         state->waits++;
     } else {
         state->waits = 0;
+        if (counts && x->pressure < c->untouched && x->demand > c->most_zero) {
+            s->check.refused += R(1.0);
+        }
     }
 }
 
