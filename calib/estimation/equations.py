@@ -76,11 +76,34 @@ def update_zero(zero: Zero, x: float, variance: float) -> None:
     zero.variance *= 1.0 - gain
 
 
-def zero_fits(c: Constants, s: State, demand: float, eta_less_1: float) -> bool:
-    """Whether the readings of a rolling car are plausible zeros."""
-    fits = abs(demand) < c.most_zero and abs(eta_less_1 - c.radii) < c.most_radii
-    s.check.refused = 0.0 if fits else s.check.refused + 1.0
-    return fits
+def widen_zeros(c: Constants, s: State) -> None:
+    """Add the process noise of a block to the variances of the zeros of demand and eta."""
+    s.demand.variance = min(s.demand.variance + c.walk_bias, c.var_zero)
+    s.eta_less_1.variance = min(s.eta_less_1.variance + c.walk_radius, c.var_zero)
+
+
+def take_zeros(c: Constants, s: State, demand: float, eta_less_1: float, rim: float) -> None:
+    """Update the zeros of demand and eta by a rolling block; count refused ones in a row."""
+    of_demand: Zero = s.demand
+    of_eta: Zero = s.eta_less_1
+    if abs(demand) < c.most_zero and abs(eta_less_1 - c.radii) < c.most_radii:
+        update_zero(of_demand, demand, c.var_zero_z)
+        update_zero(of_eta, eta_less_1, 2.0 * c.var_rim / rim**2)
+        s.check.refused = 0.0
+    else:
+        s.check.refused += 1.0
+
+
+def rolls(c: Constants, s: State, x: Sample[float], *, counts: bool) -> bool:
+    """Whether the car rolls without brake, so that a block may show the zeros.
+
+    A deceleration beyond ``steady`` that no brake and no known motor explains is a refused zero.
+    """
+    unbraked = counts and x.pressure < c.untouched
+    steady = abs(x.z) < c.steady
+    if unbraked and not steady and x.demand > c.most_zero:
+        s.check.refused += 1.0
+    return unbraked and steady
 
 
 def shift(s: State, x: Sample[float]) -> float:

@@ -29,13 +29,15 @@ from calib.estimation.equations import (
     reason_of,
     reset_held,
     rim_speed,
+    rolls,
     share_of,
     slip_evidence,
     start,
     step_filters,
+    take_zeros,
     update,
     update_zero,
-    zero_fits,
+    widen_zeros,
 )
 from calib.estimation.state import Sample, State
 
@@ -75,36 +77,31 @@ def follow(c: Constants, s: State, x: Sample[float]) -> BlockState[float]:
     brake_line_lag(c, s, x.nominal)
     counts = x.rim > c.moving and not x.disturbed
     counts = motor_fits(c, s, x, counts=counts) and counts
-    _roll(c, s, x, counts=counts)
+    _learn_zeros(c, s, x, counts=counts)
     step_filters(c, s, x, counts=counts)
     if counts and x.v == x.v:  # NaN where it is not logged
         _update_speed(c, s, x)
     return block_state(s, counts=counts)
 
 
-def _roll(c: Constants, s: State, x: Sample[float], *, counts: bool) -> None:
+def _learn_zeros(c: Constants, s: State, x: Sample[float], *, counts: bool) -> None:
     """Update the zeros by blocks that lie far enough before a bite, (S3).
 
     A block of a rolling car waits for `Constants.before_bite`, and counts if no brake bit then.
     """
-    s.demand.variance = min(s.demand.variance + c.walk_bias, c.var_zero)
-    s.eta_less_1.variance = min(s.eta_less_1.variance + c.walk_radius, c.var_zero)
+    widen_zeros(c, s)
     s.zero_slip.variance = min(s.zero_slip.variance + c.walk_radius, c.var_zero)
     if x.pressure <= c.bite and len(s.waiting) >= round(c.before_bite / c.block):
         old = s.waiting.popleft()
-        wheels = c.var_rim / old.rim**2
-        if zero_fits(c, s, old.demand, old.eta_less_1):
-            update_zero(s.demand, old.demand, c.var_zero_z)
-            update_zero(s.eta_less_1, old.eta_less_1, 2.0 * wheels)
+        take_zeros(c, s, old.demand, old.eta_less_1, old.rim)
         if old.v > c.moving:
             slip = 1.0 - rim_speed(s, old) / old.v
-            update_zero(s.zero_slip, slip, wheels + (c.noise_v / old.v) ** 2 / c.block)
-    if counts and not x.driven and x.pressure < c.untouched and abs(x.z) < c.steady:
+            variance = c.var_rim / old.rim**2 + (c.noise_v / old.v) ** 2 / c.block
+            update_zero(s.zero_slip, slip, variance)
+    if rolls(c, s, x, counts=counts) and not x.driven:
         s.waiting.append(x)
     else:
         s.waiting.clear()
-        if counts and x.pressure < c.untouched and x.demand > c.most_zero:
-            s.check.refused += 1.0
 
 
 def _update_speed(c: Constants, s: State, x: Sample[float]) -> None:

@@ -111,30 +111,22 @@ static void look_up(const bte_map *map, const bte_real point[], unsigned columns
 
 $equations
 
-/* Zeros, from blocks that lie far enough before a bite. */
-static void roll(bte_state *state, const bte_block *x, bool counts) {
-    const bte_car *car = state->car;
-    BTE_CAL bte_numbers *c = car->numbers;
+/* Learn the zeros of demand and eta from rolling blocks that lie `waiting` blocks before a bite. */
+static void learn_zeros(bte_state *state, const bte_block *x, bool counts) {
+    BTE_CAL bte_numbers *c = state->car->numbers;
     bte_filters *s = &state->filters;
-    bte_rolling *oldest = &state->waiting[state->waits % car->waiting];
-    s->demand.variance = smallest(s->demand.variance + c->walk_bias, c->var_zero);
-    s->eta_less_1.variance = smallest(s->eta_less_1.variance + c->walk_radius, c->var_zero);
-    if (x->pressure <= c->bite && state->waits >= car->waiting) {
-        if (zero_fits(c, s, oldest->demand, oldest->eta_less_1)) {
-            update_zero(&s->demand, oldest->demand, c->var_zero_z);
-            update_zero(&s->eta_less_1, oldest->eta_less_1, R(2.0) * c->var_rim / square(oldest->rim));
-        }
+    const uint16_t delay = state->car->waiting;
+    bte_rolling *oldest = &state->waiting[state->waits % delay];
+    widen_zeros(c, s);
+    if (x->pressure <= c->bite && state->waits >= delay) {
+        take_zeros(c, s, oldest->demand, oldest->eta_less_1, oldest->rim);
     }
-    if (counts && !state->driven && x->pressure < c->untouched && MATH(fabs)(x->z) < c->steady) {
-        oldest->demand = x->demand;
-        oldest->eta_less_1 = x->eta_less_1;
-        oldest->rim = x->rim;
+    if (rolls(c, s, x, counts) && !state->driven) {
+        const bte_rolling latest = {x->demand, x->eta_less_1, x->rim};
+        *oldest = latest;
         state->waits++;
     } else {
         state->waits = 0;
-        if (counts && x->pressure < c->untouched && x->demand > c->most_zero) {
-            s->check.refused += R(1.0);
-        }
     }
 }
 
@@ -264,7 +256,7 @@ static void take(bte_state *state, const bte_block *x) {
     const bool usual = x->rim > c->moving && state->worst == BTE_VALID;
     brake_line_lag(c, &state->filters, x->nominal);
     const bool fits = motor_fits(c, &state->filters, x, usual), counts = usual && fits;
-    roll(state, x, counts);
+    learn_zeros(state, x, counts);
     step_filters(c, &state->filters, x, counts);
     const bte_filters *s = &state->filters;
     const bool is_new = s->means.blocks == R(0.0);
@@ -304,8 +296,8 @@ static bte_real slip_at(const bte_car *car, bte_real force, bte_real load) {
     return low + at.along * (high - low);
 }
 
-/* Take in a sample: the last good reading counts while one is out of its range, or jumps. Bits of
- * the sensors that fail. */
+/* Take in a sample, and return the bits of the sensors that fail: those that read a value out of
+ * range, or one too far from the last reading in range. Their last good reading counts. */
 static uint32_t take_sample(bte_state *s, const bte_inputs *inputs) {
     BTE_CAL bte_numbers *c = s->car->numbers;
     const bte_real *x = (const bte_real *)inputs; /* the same, by number */
@@ -313,13 +305,15 @@ static uint32_t take_sample(bte_state *s, const bte_inputs *inputs) {
     uint32_t failing = 0U;
     for (unsigned i = 0; i < (unsigned)BTE_INPUTS; i++) {
         const bool inside = x[i] >= c->low[i] && x[i] <= c->high[i];
-        if (inside && !(s->started && MATH(fabs)(x[i] - s->raw[i]) > c->change[i])) {
+        const bool jumps = s->started && MATH(fabs)(x[i] - s->raw[i]) > c->change[i];
+        const bool works = inside && !jumps;
+        if (inside) {
+            s->raw[i] = x[i];
+        }
+        if (works) {
             last[i] = x[i];
         } else {
             failing |= (uint32_t)1U << i;
-        }
-        if (inside) {
-            s->raw[i] = x[i];
         }
     }
     return failing;
@@ -357,14 +351,9 @@ static bte_reason disturbance(bte_state *s, bool fine) {
     const bte_real mean = R(0.5) * (x->omega_rl + x->omega_rr);
     const bte_real speed = c->rolling_radius[BTE_REAR] * mean, z = -x->a_x / GRAVITY;
     s->fastest = fastest;
-    s->since_lock += c->sample_time;
-    s->since_abs += c->sample_time;
-    if (fastest - slowest > c->lock * largest(fastest, R(1.0)) && fastest > c->turning) {
-        s->since_lock = R(0.0);
-    }
-    if (x->abs_active > R(0.5)) {
-        s->since_abs = R(0.0);
-    }
+    const bool locks = fastest - slowest > c->lock * largest(fastest, R(1.0)) && fastest > c->turning;
+    s->since_lock = locks ? R(0.0) : s->since_lock + c->sample_time;
+    s->since_abs = x->abs_active > R(0.5) ? R(0.0) : s->since_abs + c->sample_time;
     const bte_real apart = (x->omega_rr - x->omega_rl) / largest(mean, R(1.0));
     const bte_real slip = largest(slip_at(s->car, z, R(1.0)), R(0.0));
     const bte_real geometric = c->track_width / square(largest(speed, c->moving));
