@@ -1,15 +1,19 @@
-"""The data of a car in C, bte_car_NAME.c: its numbers, maps and tyre, and the sum over them.
+"""The data of a car in C: bte_car_NAME.c with its numbers, its maps, its tyre and their checksum.
+
+    table --numbers_of--> bte_numbers
+    table --code_grids--> maps --> bte_car
 
 Breakpoints and precision of the maps are those of the export, as `calib.table.exported` reads them
-back. What is the same in every block is computed here.
+back. A number that is the same in every block is computed here, not in the ECU.
 """
 
 import math
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import replace
+from functools import partial
 from itertools import chain
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -19,7 +23,7 @@ from calib.base.plain import rows
 from calib.car.balance import force_per_pressure, front_share, rotating_shares
 from calib.car.effects.body import AIR_DENSITY
 from calib.car.forces import axle_loads
-from calib.ecu.car_source import Member, code, comments, header, initial
+from calib.ecu.structures import Number, code, comments, header, initial, source
 from calib.estimation.constants import LEVEL, PADS, SLIP, Constants, constants
 from calib.estimation.known import known_effects, require_plain
 from calib.estimation.online import CHANNELS, limits
@@ -30,88 +34,63 @@ from calib.run.filters import samples_in
 from calib.run.lateral import LATERAL_TIME
 from calib.run.noise import SensorNoise
 from calib.run.resistance import DRAG, ROLLING
+from calib.store.version import Stored
 from calib.table.exported import Precision, as_exported
 from calib.table.table import Table
 
 CAR = "bte_car"  # first part of the name of the data, and of their file
 _RESTS = 1.5  # speed of every wheel below which a car may get other data [rad/s]
-_PRIME = 16_777_619  # of the sum over the data: FNV-1a, by words of 32 bits
-
-
-class Number(NamedTuple):
-    """A number of the car, or one for each of ``parts``: the axles, or what is read."""
-
-    name: str
-    value: float | list[float]
-    comment: str  # what it is, with its unit in brackets
-    parts: tuple[str, ...] = ()
-
-    @property
-    def declared(self) -> tuple[str, str]:
-        """Its name and size in C, and its comment."""
-        size = "BTE_AXLES" if self.parts == AXLES else "BTE_INPUTS"
-        return f"{self.name}{f'[{size}]' * bool(self.parts)}", self.comment
+_FNV_PRIME = 16_777_619  # of the checksum, FNV-1a by words of 32 bits instead of bytes
+_PARTS = {"axles": AXLES, "sensors": tuple(CHANNELS), "": ()}
+"""Names of the parts of a number by the column ``parts`` of car_numbers.csv."""
 
 
 def sources(
-    table: Table, sample_time: float, how: Precision, first: str, version: int = 0, digest: str = ""
+    stored: Stored, sample_time: float, how: Precision, first: str, about: str = ""
 ) -> dict[str, str]:
-    """The estimator in C for a table, by file: bte.h, bte.c, bte_car_NAME.c.
+    """Return the estimator in C for a version of a table, by file: bte.h, bte.c, bte_car_NAME.c.
 
-    The first two are the same for every car of a precision. ``first`` part of the labels of the
-    data; ``version`` and ``digest`` of the table. Raises StoreError as `require_plain`,
+    The first two are the same for every car of a precision. ``first``: first part of the labels of
+    the data; ``about``: first line of the data. Raises StoreError as `require_plain`,
     ExchangeError for a precision that C does not have, or a time that no ECU has.
     """
+    table = stored.table
     require_plain(table)
-    numbers = numbers_of(table, sample_time, version)
-    text, layout = header((x.declared for x in numbers), how)
-    grids, real = code_grids(table, first, how), "BTE_CAL bte_real"
-    tyre = as_exported(table, how).tyre  # driven and braked
-    slip, force = (np.concatenate([-x[:0:-1], x]).tolist() for x in (tyre.slip, tyre.force))
-    data: dict[str, tuple[str, Member]] = {
-        f"{first}_digest": ("BTE_CAL char", f'"{digest}"'),
-        f"{first}_numbers": ("BTE_CAL bte_numbers", {x.name: x.value for x in numbers}),
-        **{axis.label: (real, axis.numbers) for axis in axes_of(grids)},
-        **{grid.label: ("BTE_CAL bte_cell", _raw_of(grid)) for grid in grids},
-        f"{first}_tyre_force": (real, force),
-        f"{first}_tyre_slip": (real, slip),
-    }
-    maps = _maps(grids)
-    summed = chain(_flat(numbers), *map(_summed, maps.values()), force, slip)
-    car: dict[str, Member] = {
+    numbers, grids = numbers_of(stored, sample_time), code_grids(table, first, how)
+    text, layout = header(numbers, how)
+    maps, tyre = _maps(grids), as_exported(table, how).tyre
+    force, slip = ([*(-x[:0:-1]).tolist(), *x.tolist()] for x in (tyre.force, tyre.slip))
+    of_maps = chain.from_iterable(summed for _, summed in maps.values())
+    summed = [*chain.from_iterable(x.values for x in numbers), *of_maps, *force, *slip]
+    car: dict[str, Any] = {
         "layout": layout,
         "size": "sizeof(bte_car) + sizeof(bte_numbers)",
         "checksum": f"0x{checksum(summed, how.floating):08X}U",
         "samples": samples_of_block(sample_time),
         "waiting": samples_in(Constants.before_bite, time_of_block(sample_time)),
         "numbers": f"&{first}_numbers",
-        **{name: [_places(of), len(of[0].axes), len(of), [x.label for x in of], _steps(of)]
-           for name, of in maps.items()},
+        **{name: members for name, (members, _) in maps.items()},
         "tyre": [f"{first}_tyre_force", len(force)],
         "tyre_slip": f"{first}_tyre_slip",
-    }  # fmt: skip
-    written = "\n".join(_definitions(data, f"{CAR}_{first}", car, layout, how.floating))
-    return {"bte.h": text, "bte.c": code(how), f"{CAR}_{first}.c": written}
-
-
-def _definitions(
-    data: dict[str, tuple[str, Member]], name: str, car: Member, layout: str, bits: int
-) -> Iterator[str]:
-    """Text of the file, of all ``data`` by label and type, and of the ``car``."""
-    yield '/* $about */\n#include "bte.h"\n'
-    yield f"#if BTE_LAYOUT != {layout}\n#error these data are of another bte.h: export both\n#endif"
-    for label, (kind, values) in data.items():
-        size = len(values) - 1 if isinstance(values, str) else len(values)
-        declared = f"{kind} {label}{'' if isinstance(values, dict) else f'[{size}]'}"
-        yield f"\nextern {declared};\nBTE_CAL_DATA {declared} = {initial(values, bits)};"
-    body = "\n".join(f"    .{member} = {initial(x, bits)}," for member, x in car.items())
-    yield f"\nextern const bte_car {name};\nconst bte_car {name} = {{\n{body}\n}};\n"
+    }
+    arrays = [
+        *(("bte_real", axis.label, axis.numbers) for axis in axes_of(grids)),
+        *(("bte_cell", grid.label, _cells(grid)) for grid in grids),
+        ("bte_real", f"{first}_tyre_force", force),
+        ("bte_real", f"{first}_tyre_slip", slip),
+    ]
+    data = source(
+        "bte_car.c.j2", about=about, first=first, layout=layout, digest=stored.digest,
+        numbers={x.name: x.value for x in numbers}, arrays=arrays, car=car, name=f"{CAR}_{first}",
+        initial=partial(initial, bits=how.floating),
+    )  # fmt: skip
+    return {"bte.h": text, "bte.c": code(how), f"{CAR}_{first}.c": data}
 
 
 def code_grids(table: Table, first: str, how: Precision, most_axes: int = MOST_AXES) -> list[Grid]:
-    """The maps that the code reads, by the labels of other formats, behind ``first``.
+    """Return the maps that the code reads, with the labels of other formats behind ``first``.
 
-    Sliced where they have more axes. Raises ExchangeError as `Precision`.
+    They are sliced where they have more axes. Raises ExchangeError as `Precision`.
     """
     read = {*(name for name, _ in PADS), *SLIP, *LEVEL}
     maps = maps_of(table, first, replace(how, code=True), most_axes)
@@ -119,40 +98,63 @@ def code_grids(table: Table, first: str, how: Precision, most_axes: int = MOST_A
 
 
 def axes_of(grids: Iterable[Grid]) -> list[Axis]:
-    """Each axis of maps once."""
+    """Return each axis of maps once."""
     return [*{axis.label: axis for grid in grids for axis in grid.axes}.values()]
 
 
-def _raw_of(grid: Grid) -> list[float] | list[int]:
+def _maps(grids: Iterable[Grid]) -> dict[str, tuple[list[Any], list[float]]]:
+    """Return the members of each `bte_map`, and its numbers in the order of `checksum` in bte.c."""
+    by_column = {(grid.column, len(grid.axes)): grid for grid in grids}
+    ratio = [name for name, _ in PADS]
+    maps = {"pads": (ratio, 3), "slip": (SLIP, 2), "level": (LEVEL, 1), "prior": (ratio, 1)}
+    return {name: _map([by_column[x, axes] for x in columns])
+            for name, (columns, axes) in maps.items()}  # fmt: skip
+
+
+def _map(columns: list[Grid]) -> tuple[list[Any], list[float]]:
+    axes = columns[0].axes
+    steps = [x.fixed.step if x.fixed else 1.0 for x in columns]
+    cells = [(step, *_cells(x)) for step, x in zip(steps, columns, strict=True)]
+    places = [[axis.label, len(axis.values)] for axis in axes]
+    members = [places, len(axes), len(columns), [x.label for x in columns], steps]
+    return members, [*chain.from_iterable((*(axis.numbers for axis in axes), *cells))]
+
+
+def _cells(grid: Grid) -> list[Any]:
     return grid.fixed.raw.tolist() if grid.fixed else grid.numbers
 
 
-def numbers_of(table: Table, sample_time: float, version: int = 0) -> list[Number]:
-    """Numbers of `bte_numbers`: tuned ones, those that the code reads, and those of the car.
+def checksum(values: list[float], bits: int) -> int:
+    """Return what `checksum` of bte.c makes of floats of ``bits``, in any order of bytes."""
+    total = 0
+    for word in np.array(values, f"<f{bits // 8}").view(f"<u{bits // 8}").tolist():
+        for half in (word & 0xFFFF_FFFF, word >> 32):
+            total = (total ^ half) * _FNV_PRIME & 0xFFFF_FFFF
+    return total
+
+
+def numbers_of(stored: Stored, sample_time: float) -> list[Number]:
+    """Return the numbers of `bte_numbers`: constants that the code reads, and those of the car.
 
     Raises ExchangeError for a time that no ECU has.
     """
     if not 1e-4 <= sample_time <= 0.1:
         raise ExchangeError(f"a sample time of {sample_time:g} s", expected="0.0001 to 0.1 s")
+    table = stored.table
     c = constants(table, SensorNoise(**table.noise), time_of_block(sample_time))
     read = re.findall(r"\bc->(\w+)", code(Precision()))
-    tuned = ((name, x) for name, x in vars(c).items() if name in read and isinstance(x, float))
+    tuned = {name: x for name, x in vars(c).items() if name in read and isinstance(x, float)}
+    about, of_car = comments(Constants.__name__), _values_of_car(table, sample_time)
     return [
-        Number("version", float(version), "of the table [1]"),
-        *(Number(name, x, comments(Constants.__name__)[name]) for name, x in tuned),
-        *_of_car(table, sample_time),
-    ]
-
-
-def _of_car(table: Table, sample_time: float) -> Iterator[Number]:
-    parts = {"axles": AXLES, "sensors": tuple(CHANNELS), "": ()}
-    values = _values_of_car(table, sample_time)
-    for row in rows("car_numbers.csv", "calib.ecu"):
-        yield Number(row["name"], values[row["name"]], row["comment"], parts[row["parts"]])
+        Number("version", float(stored.version), "of the table [1]"),
+        *(Number(name, x, about[name]) for name, x in tuned.items()),
+        *(Number(row["name"], of_car[row["name"]], row["comment"], _PARTS[row["parts"]])
+          for row in rows("car_numbers.csv", "calib.ecu")),
+    ]  # fmt: skip
 
 
 def _values_of_car(table: Table, sample_time: float) -> dict[str, float | list[float]]:
-    """The values of `car_numbers.csv`, by name."""
+    """Return the values of the numbers of car_numbers.csv, SI."""
     car, resistance = table.vehicle, known_effects(table).parameters
     low, high, change = (x.tolist() for x in limits(sample_time, car))
     drag, rolling = resistance[DRAG[0]], resistance[ROLLING[0]]
@@ -189,41 +191,3 @@ def _values_of_car(table: Table, sample_time: float) -> dict[str, float | list[f
         "share": front_share(car, 0.0),
         "ramp_share": [on_ramp, 1.0 - on_ramp],
     }
-
-
-def _maps(grids: Iterable[Grid]) -> dict[str, list[Grid]]:
-    """Columns of each map of `bte_car`."""
-    by_column, ratio = {(g.column, len(g.axes)): g for g in grids}, [x for x, _ in PADS]
-    maps = {"pads": (ratio, 3), "slip": (SLIP, 2), "level": (LEVEL, 1), "prior": (ratio, 1)}
-    return {name: [by_column[x, axes] for x in columns] for name, (columns, axes) in maps.items()}
-
-
-def _places(columns: list[Grid]) -> list[Member]:
-    return [[axis.label, len(axis.values)] for axis in columns[0].axes]
-
-
-def _steps(columns: list[Grid]) -> list[float]:
-    return [x.fixed.step if x.fixed else 1.0 for x in columns]
-
-
-def _flat(numbers: Iterable[Number]) -> Iterator[float]:
-    for x in numbers:
-        yield from x.value if isinstance(x.value, list) else [x.value]
-
-
-def _summed(columns: list[Grid]) -> Iterator[float]:
-    """Numbers of a map in the order of `checksum` in bte.c."""
-    for axis in columns[0].axes:
-        yield from axis.numbers
-    for grid, step in zip(columns, _steps(columns), strict=True):
-        yield step
-        yield from _raw_of(grid)
-
-
-def checksum(values: Iterable[float], bits: int) -> int:
-    """`checksum` of bte.c, of numbers in a floating point of ``bits``, in any byte order."""
-    array, total = np.array([*values], f"<f{bits // 8}"), 0
-    for word in array.view(f"<u{bits // 8}").tolist():
-        for half in (word & 0xFFFF_FFFF, word >> 32):
-            total = (total ^ half) * _PRIME & 0xFFFF_FFFF
-    return total

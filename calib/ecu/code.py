@@ -1,4 +1,4 @@
-"""The C of a version in one call: in an FMU, or the folder that an ECU project takes in.
+"""The C of a version in one call: as an FMU, or as the folder that an ECU project takes in.
 
     bte.h bte.c                 the estimator, the same for every car of a precision
     bte_car_NAME.c              the data of the car, with NAME_ before every label
@@ -9,10 +9,9 @@
 An ECU project calls the functions and replaces the files; it edits none.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from string import Template
 from typing import Any
 
 import numpy as np
@@ -22,11 +21,9 @@ from calib.base.names import CHANNELS as LOGGED
 from calib.base.plain import counted
 from calib.base.write import publish, work_folder, write_whole
 from calib.car.model import default_model
-from calib.car.vehicle import Vehicle
 from calib.ecu.car_data import CAR, axes_of, code_grids, numbers_of, sources
-from calib.ecu.car_source import SOURCE, cell, initial
 from calib.ecu.fmu import Content, Version, compile_fmu, write_fmu
-from calib.ecu.memory import calibrated, measured
+from calib.ecu.structures import calibrated, cell, initial, measured, source
 from calib.estimation.online import A_X, ANSWERS, CHANNELS, FL, answered, limits, samples_of
 from calib.exports.addresses import find_addresses
 from calib.exports.build import build
@@ -42,8 +39,7 @@ from calib.table.table import Table
 
 FOLDER = "ecu"  # the format that is a folder; the others are one file each
 _TOOLS = ("a2l", "cdfx", "dcm")  # formats of calibration tools, by the ending of the file
-_GIVEN = ("bte_run.c", "CMakeLists.txt", "README.md")
-_MADE = ("bte.h", "bte.c", "bte_vectors.h")
+_COPIED = ("bte_run.c", "CMakeLists.txt", "README.md")
 OURS = b"brake-cal"  # what every file of the folder has in it
 
 
@@ -63,7 +59,7 @@ class WrittenCode:
         return f"{self.out}: {self.stored.id} as {self.form}, {counted(len(self.files), 'file')}"
 
     def to_dict(self) -> dict[str, Any]:
-        """The JSON document of an export of code."""
+        """Return the JSON document of an export of code."""
         return {
             "table": self.stored.id,
             "digest": self.stored.digest,
@@ -78,9 +74,10 @@ class WrittenCode:
 
 
 def files_of(stored: Stored, first: str | None) -> list[str]:
-    """Names in the folder of an ECU, with the ``first`` part of the labels of the car."""
+    """Return the names in the folder of an ECU, whose labels begin with ``first``."""
     car = f"{CAR}_{prefix(stored.name if first is None else first)}"
-    return [*_GIVEN, *_MADE, *(f"{car}.{form}" for form in ("c", *_TOOLS))]
+    of_car = (f"{car}.{form}" for form in ("c", *_TOOLS))
+    return [*_COPIED, "bte.h", "bte.c", "bte_vectors.h", *of_car]
 
 
 def write_code(
@@ -98,15 +95,12 @@ def write_code(
 ) -> WrittenCode:
     """Write the estimator, or the simulated car, with the numbers of a version.
 
-    Parameters
-    ----------
-    form : ``ecu``, a folder; ``fmu2`` or ``fmu3``, the same in an FMU; ``car-fmu2`` or
-        ``car-fmu3``, an FMU of the car whose sensors that one reads.
-    sample_time : of the ECU's task, from call to call [s].
-    first, elf : of a folder alone: first part of the labels of the data, of the table's name if
-        not given; the linked program with the code, for the addresses in the A2L.
-    compiled : of an FMU alone: with a binary for this machine, too, by FMPy.
-    without_effects, unreleased : what may be handed out, see `require_handed_out`.
+    ``form``: ``ecu``, a folder; ``fmu2`` or ``fmu3``, the same in an FMU; ``car-fmu2`` or
+    ``car-fmu3``, an FMU of the car whose sensors the estimator reads. ``sample_time`` from call to
+    call of the ECU's task [s]. A folder may have another ``first`` part of its labels than the
+    table's name, and takes addresses of the A2L from ``elf``, the linked program. An FMU may be
+    ``compiled`` for this machine, too, by FMPy. ``without_effects`` and ``unreleased`` say what may
+    be handed out, see `require_handed_out`.
 
     Raises StoreError for a version that is not handed out or has effects that the code cannot take
     out, ExchangeError for other options, ProgramError where ``elf`` holds another table, OSError.
@@ -117,69 +111,61 @@ def write_code(
     stored = replace(stored, table=replace(stored.table, vehicle=car))
     if form == FOLDER and compiled:
         raise ExchangeError("only an FMU is compiled", expected="fmu2, fmu3 and those of the car")
-    if form != FOLDER:
-        if elf or first is not None:
-            raise ExchangeError("an FMU has no --elf, --prefix")
-        version: Version = 2 if form.endswith("2") else 3
-        content: Content = "car" if form.startswith("car") else "estimator"
-        write_fmu(stored, out, how, sample_time, version, content)
-        if compiled:
-            compile_fmu(out)
-        return WrittenCode(stored, out, form, how, sample_time, (out.name,))
-    first = prefix(stored.name if first is None else first)
-    files = _write_bundle(stored, out, how, sample_time, first, elf)
-    axes = axes_of(code_grids(stored.table, first, how))
-    notes = tuple(f"{axis.label}: {axis.placed}" for axis in axes if axis.reduced)
-    names = tuple(path.name for path in files)
-    return WrittenCode(stored, out, form, how, sample_time, names, notes)
+    if form == FOLDER:
+        first = prefix(stored.name if first is None else first)
+        files = tuple(_write_folder(stored, out, how, sample_time, first, elf))
+        axes = axes_of(code_grids(stored.table, first, how))
+        notes = tuple(f"{axis.label}: {axis.placed}" for axis in axes if axis.reduced)
+        return WrittenCode(stored, out, form, how, sample_time, files, notes)
+    if elf or first is not None:
+        raise ExchangeError("an FMU has no --elf, --prefix")
+    version: Version = 2 if form.endswith("2") else 3
+    content: Content = "car" if form.startswith("car") else "estimator"
+    write_fmu(stored, out, how, sample_time, version, content)
+    if compiled:
+        compile_fmu(out)
+    return WrittenCode(stored, out, form, how, sample_time, (out.name,))
 
 
-def _write_bundle(
+def _write_folder(
     stored: Stored, folder: Path, how: Precision, sample_time: float, first: str, elf: Path | None
-) -> list[Path]:
-    texts = sources(stored.table, sample_time, how, first, stored.version, stored.digest)
-    texts |= {name: (SOURCE / name).read_text(encoding="utf-8") for name in _GIVEN}
-    texts["bte_vectors.h"] = "\n".join(_vectors(as_exported(stored.table, how), sample_time, how))
-    about = f"By brake-cal: {stored.id}, digest {stored.digest}, {stored.state.description}"
+) -> list[str]:
+    """Write the folder of an ECU; return the names of its files."""
+    table, car, state = stored.table, f"{CAR}_{first}", stored.state.description
+    about = as_comment(f"By brake-cal: {stored.id}, digest {stored.digest}, {state}")
+    texts = sources(stored, sample_time, how, first, about)
+    limited = zip(CHANNELS.values(), *limits(sample_time, table.vehicle), strict=True)
     facts = {
-        "about": as_comment(about), "car": f"{CAR}_{first}", "first": first,
-        "table": stored.id, "digest": stored.digest, "state": stored.state.description,
+        "car": car, "table": stored.id, "digest": stored.digest, "state": state,
         "bits": how.floating, "cell": cell(how), "step": f"{sample_time:g}",
-        "ms": f"{1e3 * sample_time:g}_ms".replace(".", "_"),
-        "inputs": "\n".join(_inputs(sample_time, stored.table.vehicle)),
-        "answers": "\n".join(f"| `{x.name}` | {x.unit} | {x.meaning} |" for x in ANSWERS.values()),
+        "ms": f"{1e3 * sample_time:g}_ms".replace(".", "_"), "answers": ANSWERS.values(),
+        "inputs": [x._replace(low=low, high=high, jump=jump) for x, low, high, jump in limited],
     }  # fmt: skip
+    texts |= {name: source(name, **facts) for name in _COPIED}
+    texts["bte_vectors.h"] = _vectors(as_exported(table, how), sample_time, how, car)
+    files = {name: text.encode() for name, text in texts.items()}
     whole = build(stored, how.points, how.bits, first=first)
     version = replace(whole.scalars[0], fixed=None)
-    shown = replace(whole, curves=(), scalars=(version,), single=how.floating == 32)
+    whole = replace(whole, curves=(), scalars=(version,), single=how.floating == 32)
+    for form in _TOOLS:
+        grids = code_grids(table, first, how, FORMATS[form].most_axes)
+        data = replace(whole, axes=tuple(axes_of(grids)), maps=tuple(grids))
+        if FORMATS[form].addressed:
+            size, numbers = how.floating // 8, numbers_of(stored, sample_time)
+            scalars, members = calibrated(numbers, first, size), measured(first, size)
+            data = replace(data, scalars=tuple(scalars), measured=tuple(members))
+            data = replace(data, addresses=find_addresses(elf, data)) if elf else data
+        files[f"{car}.{form}"] = FORMATS[form].write(data)
     with work_folder(folder) as work:
-        for name, text in texts.items():
-            write_whole(work / name, Template(text).safe_substitute(facts).encode())
-        for form in _TOOLS:
-            grids = code_grids(stored.table, first, how, FORMATS[form].most_axes)
-            data = replace(shown, axes=tuple(axes_of(grids)), maps=tuple(grids))
-            if FORMATS[form].addressed:
-                numbers = calibrated(
-                    numbers_of(stored.table, sample_time, stored.version), first, how.floating // 8
-                )
-                tool = tuple(measured(first, how.floating // 8))
-                data = replace(data, scalars=tuple(numbers), measured=tool)
-                data = replace(data, addresses=find_addresses(elf, data)) if elf else data
-            write_whole(work / f"{CAR}_{first}.{form}", FORMATS[form].write(data))
-        return publish(work, folder, "README.md")
+        for name, content in files.items():
+            write_whole(work / name, content)
+        return [path.name for path in publish(work, folder, "README.md")]
 
 
-def _inputs(sample_time: float, car: Vehicle) -> Iterator[str]:
-    """Rows of a table of what the code reads."""
-    for x, low, high, jump in zip(CHANNELS.values(), *limits(sample_time, car), strict=True):
-        most = f"{jump:g}" if jump < high - low else ""
-        yield f"| `{x.name}` | {x.unit} | {low:g} to {high:g} | {most} | {x.meaning} |"
+def _vectors(table: Table, sample_time: float, how: Precision, car: str) -> str:
+    """Return bte_vectors.h: samples of a noisy stop, and the answers at the ends of the blocks.
 
-
-def _vectors(table: Table, sample_time: float, how: Precision) -> Iterator[str]:
-    """bte_vectors.h: samples of a noisy stop, and the answers at the ends of the blocks.
-
-    It rolls, brakes in two steps, and near the end a wheel locks and a sensor fails.
+    The car rolls and brakes in two steps; near the end a wheel locks and a sensor fails.
     """
     time = np.arange(0.0, 6.0, sample_time)
     braked = np.clip((time - 3.0) / 0.3, 0.0, 1.0) + (time > 4.5)
@@ -190,22 +176,14 @@ def _vectors(table: Table, sample_time: float, how: Precision) -> Iterator[str]:
     samples = how.computed(samples)
     every, bits = samples_of_block(sample_time), how.floating
     answers = answered(table, sample_time, samples)[every - 1 :: every]
-    yield f"/* Answers of brake-cal to {len(samples)} samples, of each block of {every}. */"
-    yield '#ifndef BTE_VECTORS_H\n#define BTE_VECTORS_H\n\n#include "bte.h"\n'
-    yield f"#define BTE_VECTORS_COUNT {len(samples)}U\n#define BTE_VECTORS_EVERY {every}U"
-    yield f"#define BTE_VECTORS_TOLERANCE {1e-9 if bits == 64 else 1e-4}"
-    yield "#define BTE_VECTORS_CAR (&$car)\nextern const bte_car $car;\n"
     units = {x.name: LOGGED[x.name].si if x.name in LOGGED else x.unit for x in CHANNELS.values()}
-    needed = sum(name in LOGGED and LOGGED[name].required for name in CHANNELS)
-    yield f"#define BTE_VECTORS_NEEDED {needed} /* columns that a log has; others may be 0 */"
-    columns = ", ".join(f'"{name} [{unit}]"' for name, unit in units.items())
-    names = (f"{x}{end}" for x in ANSWERS for end in ("", "_lower", "_upper"))
-    for name, text in (
-        ("char *const bte_vectors_columns[]", f"{{{columns}}}"),
-        ("char bte_vectors_header[]", f'"time,reason,{",".join(names)}"'),
-        (f"bte_real bte_vectors_inputs[][{samples.shape[1]}]", initial(samples.tolist(), bits)),
-        (f"bte_real bte_vectors_answers[][{answers.shape[1]}]", initial(answers.tolist(), bits)),
-    ):
-        cells = text.replace("}, ", "},\n")
-        yield f"extern const {name};\nconst {name} = {cells};\n"
-    yield "#endif\n"
+    facts = {
+        "car": car, "count": len(samples), "every": every,
+        "tolerance": 1e-9 if bits == 64 else 1e-4,
+        "columns": [f"{name} [{unit}]" for name, unit in units.items()],
+        "needed": sum(name in LOGGED and LOGGED[name].required for name in CHANNELS),
+        "names": [f"{x}{end}" for x in ANSWERS for end in ("", "_lower", "_upper")],
+        "inputs": [initial(row, bits) for row in samples.tolist()],
+        "answers": [initial(row, bits) for row in answers.tolist()],
+    }  # fmt: skip
+    return source("bte_vectors.h.j2", **facts)

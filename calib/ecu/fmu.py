@@ -1,8 +1,9 @@
-"""A table as an FMU of FMI 2.0 or 3.0, for co-simulation: the estimator, or the car that it is for.
+"""Write a table as an FMU for co-simulation (FMI 2.0 or 3.0): the estimator, or the car.
 
-    p_mc --> car: a_x, wheel speeds --> estimator: pad friction and torque with their bounds
+    p_mc --> car --a_x, wheel speeds--> estimator --> pad friction and torque with their bounds
 
-The tool that imports it compiles the sources, with its own headers of FMI, if no binary is inside.
+The tool that imports an FMU compiles its sources with its own headers of FMI, unless the FMU has a
+binary inside.
 """
 
 import hashlib
@@ -13,7 +14,6 @@ import zipfile
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
-from string import Template
 from typing import Literal
 
 from calib.base.errors import ProgramError
@@ -22,7 +22,7 @@ from calib.base.templates import templates
 from calib.base.write import write_whole
 from calib.car.model import WET_ASPHALT, Model
 from calib.ecu.car_data import CAR, sources
-from calib.ecu.car_source import SOURCE
+from calib.ecu.structures import source
 from calib.estimation.known import known_effects
 from calib.estimation.online import REASON, VARIABLES, Variable
 from calib.estimation.reasons import Reason
@@ -35,42 +35,41 @@ from calib.table.table import Table
 Version = Literal[2, 3]
 Content = Literal["estimator", "car"]
 _V0 = 30.0  # first speed of the car where nothing else is set [m/s]
-
 _BOUNDS = {"": "", "_lower": ", lower end of 95 %", "_upper": ", upper end of 95 %"}
-_ENDS = "0 it drives; 1 it stands; 2 an axle would lift; 3 a wheel would pass the peak of its tyre"
+"""What is added to the name and to the meaning of an answer, for its median and its bounds."""
+_CAR_REASONS = (
+    "0 the car drives; 1 it stands; 2 an axle would lift; 3 a wheel would pass the peak of its tyre"
+)
+"""Values of ``reason`` in an FMU of the car."""
 
 
 def _variables(content: Content) -> Iterator[Variable]:
-    """Variables of the FMU, in the order of their references."""
+    """Return the variables of the FMU, in the order of their references."""
     for causality in ("input", "parameter", "output", "independent"):
-        ends = _BOUNDS if (content, causality) == ("estimator", "output") else {"": ""}
+        bounds = _BOUNDS if (content, causality) == ("estimator", "output") else {"": ""}
         for x in (x for x in VARIABLES.values() if causality in getattr(x, content)):
-            yield from (x._replace(name=x.name + e, meaning=x.meaning + ends[e]) for e in ends)
+            for end, words in bounds.items():
+                yield x._replace(name=x.name + end, meaning=x.meaning + words)
     reasons = "; ".join(f"{int(reason)} {reason.words}" for reason in Reason)
-    yield REASON._replace(meaning=reasons if content == "estimator" else _ENDS)
+    yield REASON._replace(meaning=reasons if content == "estimator" else _CAR_REASONS)
 
 
 def _starts(table: Table, content: Content) -> dict[str, float]:
-    """First values of inputs and parameters."""
-    car = simulated(table)
+    """Return the first values of inputs and parameters."""
+    car, causalities = simulated(table), ("input", "parameter")
     first = {"pad_friction_f": car.pad_friction_f, "pad_friction_r": car.pad_friction_r, "v0": _V0}
     first |= {f"tyre_{name}": x for name, x in vars(car.tyre).items()}
-    names = (
-        x.name for x in VARIABLES.values() if getattr(x, content).startswith(("input", "param"))
-    )
+    names = [x.name for x in VARIABLES.values() if getattr(x, content).startswith(causalities)]
     return {name: first.get(name, 0.0) for name in names}
 
 
 def simulated(table: Table) -> Model:
-    """The car of a table as its ramp shows it; the peak of its tyres is that of wet asphalt."""
-    pads, falls = table.calibration, float(table.draws.load_exponent.mean())
-    return Model(
-        table.vehicle,
-        pads.pad_friction_f.value,
-        pads.pad_friction_r.value,
-        replace(WET_ASPHALT, stiffness=pads.slip_stiffness.value, load_exponent=falls),
-        known_effects(table),
-    )
+    """Return the car of a table as its ramp shows it, with tyres that peak as on wet asphalt."""
+    ramp, load_exponent = table.calibration, float(table.draws.load_exponent.mean())
+    stiffness = ramp.slip_stiffness.value
+    tyre = replace(WET_ASPHALT, stiffness=stiffness, load_exponent=load_exponent)
+    pads = ramp.pad_friction_f.value, ramp.pad_friction_r.value
+    return Model(table.vehicle, *pads, tyre, known_effects(table))
 
 
 def write_fmu(
@@ -81,36 +80,32 @@ def write_fmu(
     version: Version,
     content: Content,
 ) -> None:
-    """Write a version of a table as an FMU with a ``content`` to a file, and replace what is there.
+    """Write a version of a table as an FMU with a ``content``; an existing file is replaced.
 
-    ``how`` the numbers inside are written; variables are in double. ``sample_time`` of the ECU's
-    task, the step of the FMU [s]. The bytes depend on these alone. Raises OSError, and as `sources`
-    for a table that the code cannot have.
+    ``how``: precision of the numbers inside; variables are in double. ``sample_time``: of the ECU's
+    task, and so the step of the FMU [s]. Equal arguments make equal bytes. Raises OSError, and as
+    `sources` for a table that the code cannot have.
     """
-    car, step = stored.table.vehicle.name, repr(float(sample_time))
+    car, step, first = stored.table.vehicle.name, repr(float(sample_time)), prefix(stored.name)
     name = f"{prefix(car)}_{content}"
-    first = prefix(stored.name)
-    code = sources(stored.table, sample_time, how, first, stored.version, stored.digest)
-    files = "fmi.c", f"fmi{version}.h", f"{content}.h"
-    glue = {
-        file: (SOURCE.parent / "fmu_source" / file).read_text(encoding="utf-8") for file in files
-    }
+    code = sources(stored, sample_time, how, first, f"{name}, SHA-256 {stored.digest}")
+    glue = "fmi.c", f"fmi{version}.h", f"{content}.h"
     variables, starts = [*_variables(content)], _starts(stored.table, content)
     facts = {
         "version": version, "of": content, "name": name, "data": f"{CAR}_{first}",
-         "step": step, "program": PROGRAM,
+        "step": step, "program": PROGRAM,
         "car": printable(car), "table": f"{stored.id}, {printable(stored.state.description)}",
         "compiled": [file for file in (*code, *glue) if file.endswith(".c")],
         "variables": variables, "references": ",\n       ".join(x.name.upper() for x in variables),
         "starts": starts, "given": len(starts), "first": ", ".join(map(repr, starts.values())),
     }  # fmt: skip
-    facts["token"] = hashlib.sha256(repr((facts, glue, code)).encode()).hexdigest()[:32]
-    written = templates("calib.ecu", markup=True).get_template
-    inside = {"modelDescription.xml": written("model.xml.j2").render(facts)}
+    unmarked = [source(file, token="", **facts) for file in glue]
+    facts["token"] = hashlib.sha256(repr((facts, unmarked, code)).encode()).hexdigest()[:32]
+    code |= {file: source(file, **facts) for file in glue}
+    xml = templates("calib.ecu", markup=True).get_template
+    inside = {"modelDescription.xml": xml("modelDescription.xml.j2").render(facts)}
     if version == 3:
-        inside["sources/buildDescription.xml"] = written("build.xml.j2").render(facts)
-    facts["about"] = f"{name}, SHA-256 {stored.digest}"
-    code |= {file: Template(text).safe_substitute(facts) for file, text in (code | glue).items()}
+        inside["sources/buildDescription.xml"] = xml("buildDescription.xml.j2").render(facts)
     inside |= {f"sources/{file}": text for file, text in code.items()}
     archive = io.BytesIO()
     with zipfile.ZipFile(archive, "w") as out:

@@ -1,47 +1,63 @@
-"""Functions of Python written in C, so that both run the same equations.
+"""Write functions of Python in C, so that both run the same equations.
 
-    calib/estimation/equations.py --ast--> static functions of bte.c
+    calib/estimation/equations.py --ast.parse--> definitions --translated--> functions of bte.c
 
-Statements are assignments, if, calls and return. A tuple is assigned part by part. A returned
-NamedTuple becomes a structure; a `BlockState` is not copied, its fields are members of the state.
-An annotated name is a pointer to a part of the state. Tests compare the numbers of both, since C
-computes 1/2 in integers, for one.
+These are the rules. Code that has none raises ValueError.
+
+    Python                         C
+    a NamedTuple                   a structure of its fields
+    a function                     a static function, with its docstring as a comment
+    the first x = ...              a declaration, const if nothing else is assigned to x
+    a, b = 1.0, 2.0                two assignments, in this order
+    f: LevelFilter = s.level       a pointer to a part of the state
+    return Name(a, b)              a structure that is initialised, then returned
+    if, return, x += ..., a call   the same
+    x.a.b                          x->a.b, since all parameters with members are pointers
+    s.a of a `BlockState` s        the part of the state that `block_state` reads for it
+
+C computes 1/2 in integers, for one, so the tests compare the numbers of both languages.
 """
 
 import ast
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator
+from itertools import chain
 from textwrap import wrap
 
 _TYPES = {
     "Constants": "BTE_CAL bte_numbers *", "State": "bte_filters *", "Sample": "const bte_block *",
     "Zero": "bte_zero *", "LevelFilter": "bte_level_filter *", "SpeedFilter": "bte_speed_filter *",
     "Check": "bte_check *", "Means": "bte_means *", "BlockState": "const bte_filters *",
-    "Array": "bte_real", "float": "bte_real", "Mask": "bool", "bool": "bool",
-    "None": "void",
+    "Array": "bte_real", "float": "bte_real", "Mask": "bool", "bool": "bool", "None": "void",
 }  # fmt: skip
-"""Of parameters and what is returned; a NamedTuple has a type of its own."""
-_CALLED = {"update", "update_zero", "reset_speed"}  # not inlined: they need registers
-_VIEW = "BlockState", "block_state"  # of the state, and the function that makes it
-_NAMES = {
-    "G": "GRAVITY", "max": "largest", "min": "smallest",
-    "abs": "MATH(fabs)", "np.abs": "MATH(fabs)",
-    "np.maximum": "largest", "np.minimum": "smallest", "np.clip": "clip",
-    "math.exp": "exponential", "math.log": "logarithm", "math.sqrt": "MATH(sqrt)",
-    "np.exp": "exponential", "np.sqrt": "MATH(sqrt)",
+"""Types in C by those of Python. Other classes are structures of equations.py."""
+_NOT_INLINED = {"update", "update_zero", "reset_speed"}
+"""Functions that would cost too much flash if the compiler wrote them out at each call."""
+_VIEW, _VIEW_OF = "BlockState", "block_state"
+"""The tuple that C does not have, and the function that makes it from the state."""
+_SPELLINGS = {
+    r"(?<![\w.])(\d+\.\d+|\d+e-\d+)\b": r"R(\1)",
+    r"\bTrue\b": "true", r"\bFalse\b": "false", r"\bReason\.": "(bte_real)BTE_",
+    r"\b(np|math)\.": "", r"\b(max|maximum)\b": "largest", r"\b(min|minimum)\b": "smallest",
+    r"\babs\b": "MATH(fabs)", r"\bsqrt\b": "MATH(sqrt)", r"\bexp\b": "exponential",
+    r"\blog\b": "logarithm", r"\bG\b": "GRAVITY",
+    r"(?<![\w.])(\w+)\.(?=[a-z])": r"\1->",
+    " and ": " && ", " or ": " || ", r" \| ": " || ", "not ": "!",
 }  # fmt: skip
-_LOGIC = {" and ": " && ", " or ": " || ", " | ": " || ", "not ": "!"}
+"""Words of Python with those of C, as regular expressions. They are replaced in this order."""
 
 
 def translated(source: str) -> str:
-    """The functions and NamedTuples of a module in C, in their order.
+    """Return the functions and NamedTuples of a module in C, in their order.
 
     Raises ValueError for a statement that has no counterpart there.
     """
+    kinds = ast.ClassDef | ast.FunctionDef
+    definitions = {x.name: x for x in ast.parse(source).body if isinstance(x, kinds)}
+    parts = _parts(definitions.pop(_VIEW, ast.Pass()), definitions.pop(_VIEW_OF, ast.Pass()))
     out, depth = list[str](), 0
-    whole = [x for x in ast.parse(source).body if isinstance(x, ast.ClassDef | ast.FunctionDef)]
-    for line in _lines(map(_View(whole).visit, (x for x in whole if x.name not in _VIEW)), {}):
+    for line in chain.from_iterable(_definition(x, parts) for x in definitions.values()):
         depth -= line.startswith("}")
         margin = 4 * depth * " "
         out += wrap(line, 100, initial_indent=margin, subsequent_indent=margin + 8 * " ") or [""]
@@ -49,100 +65,101 @@ def translated(source: str) -> str:
     return "\n".join(out).strip()
 
 
-def _lines(body: Iterable[ast.stmt], new: dict[str, int]) -> Iterator[str]:
-    """Statements without margins; ``new``: assignments of each local that is not yet declared."""
+def structure(name: str) -> str:
+    """Return the structure in C of a class: ``bte_slip_evidence`` of ``SlipEvidence``."""
+    return "bte" + re.sub("([A-Z])", r"_\1", name).lower()
+
+
+def _parts(view: ast.AST, maker: ast.AST) -> dict[str, str]:
+    """Return the part of the state in C by the field of a `BlockState` that it becomes."""
+    fields = [ast.unparse(x.target) for x in ast.walk(view) if isinstance(x, ast.AnnAssign)]
+    returned = [x.value for x in ast.walk(maker) if isinstance(x, ast.Return)]
+    parts = [part for x in returned if isinstance(x, ast.Call) for part in x.args]
+    return dict(zip(fields, map(_in_c, parts), strict=True))
+
+
+def _definition(node: ast.ClassDef | ast.FunctionDef, parts: dict[str, str]) -> Iterator[str]:
+    """Write a NamedTuple or a function, without margins; ``parts`` as `_parts`."""
+    if isinstance(node, ast.ClassDef):
+        fields = [ast.unparse(x.target) for x in node.body if isinstance(x, ast.AnnAssign)]
+        yield from ("", "typedef struct {", f"bte_real {', '.join(fields)};")
+        yield f"}} {structure(node.name)};"
+        return
+    parameters = [*node.args.args, *node.args.kwonlyargs]
+    declared = ", ".join(_declared(x.annotation, x.arg) for x in parameters)
+    names = [x for x in ast.walk(node) if isinstance(x, ast.Name)]
+    assigned = Counter(x.id for x in names if isinstance(x.ctx, ast.Store))
+    for x in parameters:
+        assigned.pop(x.arg, None)
+    inlined = "CALLED " if node.name in _NOT_INLINED else ""
+    docstring = " ".join((ast.get_docstring(node) or "").split()).replace("``", "")
+    yield from ("", f"/* {docstring} */")
+    yield f"{inlined}static {_declared(node.returns, node.name)}({declared}) {{"
+    for line in _statements(node.body[1:], assigned):
+        has_view = f"s: {_VIEW}" in ast.unparse(node.args)
+        yield re.sub(r"\bs->(\w+)", lambda s: parts[s[1]], line) if has_view else line
+    yield "}"
+
+
+def _statements(body: Iterable[ast.stmt], undeclared: Counter[str]) -> Iterator[str]:
+    """Write statements; ``undeclared``: locals without a declaration, with their assignments."""
     for node in body:
         match node:
-            case ast.ClassDef():
-                members = (_text(x.target) for x in node.body if isinstance(x, ast.AnnAssign))
-                yield from ("", "typedef struct {", f"bte_real {', '.join(members)};")
-                yield f"}} {_type(node.name)};"
-            case ast.FunctionDef(body=[ast.Expr(ast.Constant(str(about))), *rest]):
-                yield from ("", f"/* {' '.join(about.split()).replace('``', '')} */")
-                parameters = (*node.args.args, *node.args.kwonlyargs)
-                heads = ", ".join(f"{_type(x.annotation, ' *')} {x.arg}" for x in parameters)
-                called = "CALLED " * (node.name in _CALLED)
-                yield f"{called}static {_type(node.returns)} {node.name}({heads}) {{".replace(
-                    " * ", " *"
-                )
-                names = (x for x in ast.walk(node) if isinstance(getattr(x, "ctx", 0), ast.Store))
-                stored = Counter(map(ast.unparse, names))
-                yield from _lines(
-                    rest, {x: stored[x] for x in {*stored} - {y.arg for y in parameters}}
-                )
-                yield "}"
             case ast.If():
-                yield f"if ({_text(node.test)}) {{"
-                yield from _lines(node.body, new)
+                yield f"if ({_in_c(node.test)}) {{"
+                yield from _statements(node.body, undeclared)
                 if node.orelse:
                     yield "} else {"
-                    yield from _lines(node.orelse, new)
+                    yield from _statements(node.orelse, undeclared)
                 yield "}"
-            case ast.Return(ast.Call(ast.Name(name), values)) if name[0].isupper():
-                yield f"const {_type(name)} result = {{{', '.join(map(_text, values))}}};"
+            case ast.Return(ast.Call(ast.Name(result), values)) if result[0].isupper():
+                yield f"const {structure(result)} result = {{{', '.join(map(_in_c, values))}}};"
                 yield "return result;"
-            case ast.Assign([to], of):
-                for target, value in _parts(to, of):
-                    kind = "bool" if isinstance(value, ast.Compare | ast.BoolOp) else "bte_real"
-                    times = new.pop(_text(target), 0)
-                    declared = f"{'const ' if times == 1 else ''}{kind} " if times else ""
-                    yield f"{declared}{_text(target)} = {_text(value)};"
-            case ast.AnnAssign(target, kind, ast.Attribute() as value) if _type(kind)[-1] == "*":
-                yield f"{_type(kind)} {_text(target)} = &{_text(value)};".replace(" * ", " *")
+            case ast.Assign([target], value):
+                for name, part in _pairs(target, value):
+                    kind = "bool" if isinstance(part, ast.Compare | ast.BoolOp) else "bte_real"
+                    count = undeclared.pop(ast.unparse(name), 0)
+                    constant = "const " if count == 1 else ""
+                    declared = f"{constant}{kind} " if count else ""
+                    yield f"{declared}{_in_c(name)} = {_in_c(part)};"
+            case ast.AnnAssign(ast.Name(local), kind, ast.Attribute() as part):
+                yield f"{_declared(kind, local)} = &{_in_c(part)};"
             case ast.AugAssign() | ast.Expr() | ast.Return():
-                yield f"{_text(node)};"
+                yield f"{_in_c(node)};"
             case _:
                 raise ValueError(f"no counterpart in C: {ast.unparse(node)}")
 
 
-def _parts(target: ast.expr, value: ast.expr) -> list[tuple[ast.expr, ast.expr]]:
-    """Targets with their values; where only one side is a tuple, the other is an indexed array."""
-    sides = [x.elts if isinstance(x, ast.Tuple) else x for x in (target, value)]
-    count = max(len(x) if isinstance(x, list) else 0 for x in sides)
-    if not count:
+def _pairs(target: ast.expr, value: ast.expr) -> list[tuple[ast.expr, ast.expr]]:
+    """Pair each target of an assignment with its value.
+
+    Raises ValueError where C would assign a name before a later value reads the old one.
+    """
+    if not (isinstance(target, ast.Tuple) and isinstance(value, ast.Tuple)):
         return [(target, value)]
-    parts = (
-        x if isinstance(x, list) else [ast.Subscript(x, ast.Constant(i)) for i in range(count)]
-        for x in sides
-    )
-    pairs = [(to, of) for to, of in zip(*parts, strict=True) if ast.unparse(to) != "_"]
-    for i, (_, of) in enumerate(pairs):
-        if {ast.unparse(x) for x in ast.walk(of)} & {ast.unparse(to) for to, _ in pairs[:i]}:
-            raise ValueError(f"assigned before it is read in C: {ast.unparse(of)}")
+    pairs = [*zip(target.elts, value.elts, strict=True)]
+    for i, (_, part) in enumerate(pairs):
+        read = {ast.unparse(x) for x in ast.walk(part)}
+        if read & {ast.unparse(name) for name, _ in pairs[:i]}:
+            raise ValueError(f"assigned before it is read in C: {ast.unparse(part)}")
     return pairs
 
 
-def _type(kind: ast.expr | str | None, pointer: str = "") -> str:
-    name = (kind if isinstance(kind, str) else ast.unparse(kind or ast.Name(""))).split("[")[0]
-    return _TYPES.get(name, f"{'const ' * bool(pointer)}{structure(name)}{pointer}")
+def _declared(annotation: ast.expr | None, name: str) -> str:
+    """Return a parameter, a local or a function with its type in front."""
+    kind = ast.unparse(annotation or ast.Name("float")).split("[")[0]
+    return f"{_TYPES.get(kind) or structure(kind)} {name}".replace("* ", "*")
 
 
-def structure(name: str) -> str:
-    """The structure in C of a class: `bte_block_state` of BlockState."""
-    return "bte" + re.sub("([A-Z])", r"_\1", name).lower()
-
-
-def _text(node: ast.AST) -> str:
-    text = ast.unparse(_InC().visit(node))
-    for python, c in _LOGIC.items():
-        text = text.replace(python, c)
+def _in_c(node: ast.AST) -> str:
+    text = ast.unparse(_Shape().visit(node))
+    for python, c in _SPELLINGS.items():
+        text = re.sub(python, c, text)
     return text
 
 
-class _InC(ast.NodeTransformer):
-    """Write an expression as in C."""
-
-    def visit_Name(self, node: ast.Name) -> ast.expr:
-        return ast.Name(_NAMES.get(node.id, node.id))
-
-    def visit_Constant(self, node: ast.Constant) -> ast.expr:
-        if isinstance(node.value, bool):
-            return ast.Name(str(node.value).lower())
-        return ast.Name(f"R({node.value})") if isinstance(node.value, float) else node
-
-    def visit_Attribute(self, node: ast.Attribute) -> ast.expr:
-        name = ast.unparse(node).replace("Reason.", "(bte_real)BTE_")
-        return ast.Name(_NAMES.get(name, name.replace(".", "->", 1)))
+class _Shape(ast.NodeTransformer):
+    """Change what C writes in another shape, still with the words of Python."""
 
     def visit_BinOp(self, node: ast.BinOp) -> ast.expr:
         left, right = self.visit(node.left), self.visit(node.right)
@@ -151,7 +168,8 @@ class _InC(ast.NodeTransformer):
         return ast.BinOp(left, node.op, right)
 
     def visit_IfExp(self, node: ast.IfExp) -> ast.expr:
-        return ast.Name(f"({_text(node.test)} ? {_text(node.body)} : {_text(node.orelse)})")
+        parts = (ast.unparse(self.visit(x)) for x in (node.test, node.body, node.orelse))
+        return ast.Name("({} ? {} : {})".format(*parts))
 
     def visit_Call(self, node: ast.Call) -> ast.expr:
         match node:
@@ -160,21 +178,4 @@ class _InC(ast.NodeTransformer):
         if ast.unparse(node.func) == "np.where":
             return self.visit_IfExp(ast.IfExp(*node.args))
         arguments = [self.visit(x) for x in (*node.args, *(k.value for k in node.keywords))]
-        return ast.Call(self.visit(node.func), arguments, [])
-
-
-class _View(ast.NodeTransformer):
-    """Read members of a `BlockState` ``s`` from the state that it is made of."""
-
-    def __init__(self, body: Iterable[ast.ClassDef | ast.FunctionDef]) -> None:
-        view, maker = ({x.name: x.body for x in body}.get(name, []) for name in _VIEW)
-        names = [ast.unparse(x.target) for x in view if isinstance(x, ast.AnnAssign)]
-        calls = [x.value for x in maker if isinstance(x, ast.Return)]
-        values = [y for x in calls if isinstance(x, ast.Call) for y in x.args]
-        self._places = dict(zip(map("s.{}".format, names), values, strict=True))
-
-    def visit_FunctionDef(self, node: ast.FunctionDef) -> ast.AST:
-        return self.generic_visit(node) if f"s: {_VIEW[0]}" in ast.unparse(node.args) else node
-
-    def visit_Attribute(self, node: ast.Attribute) -> ast.expr:
-        return self._places.get(ast.unparse(node), node)
+        return ast.Call(node.func, arguments, [])

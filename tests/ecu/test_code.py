@@ -164,7 +164,7 @@ def test_two_cars_in_one_image_each_answer_as_alone(codes, native, tmp_path):
         told = ecu_code.answers(tmp_path / "two", samples, run)
         assert told.tobytes() == expected.astype(np.float32).tobytes()
     (size,) = re.findall(r"^\.cal +(\d+)", called(tmp_path / "two", "size -A two"), re.MULTILINE)
-    numbers = sum(len(numbers_of(x.table, how[1])) for x in (SEDAN, other))
+    numbers = sum(len(numbers_of(x, how[1])) for x in (SEDAN, other))
     assert int(size) > 4 * numbers + 2 * 65
 
 

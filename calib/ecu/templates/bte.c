@@ -7,8 +7,8 @@
 #include <string.h>
 
 #define R(x) ((bte_real)(x))
-#define MATH(name) $function
-enum { TERMS = $terms, LARGEST = $largest }; /* of the series; of what exp gives a number for */
+#define MATH(name) {{ "name##f" if floating == 32 else "name" }}
+enum { TERMS = {{ terms }}, LARGEST = {{ largest }} }; /* of the series; of what exp gives a number for */
 
 static const bte_real GRAVITY = R(9.80665), Z95 = R(1.96), LN2_HIGH = R(0.693145751953125),
                       LN2_LOW = R(1.42860682030941723e-6);
@@ -109,7 +109,7 @@ static void look_up(const bte_map *map, const bte_real point[], unsigned columns
     }
 }
 
-$equations
+{{ equations }}
 
 /* Learn the zeros of demand and eta from rolling blocks that lie `waiting` blocks before a bite. */
 static void learn_zeros(bte_state *state, const bte_block *x, bool counts) {
@@ -228,7 +228,7 @@ static uint32_t with_word(uint32_t sum, uint64_t word) {
 }
 
 static uint32_t mixed(uint32_t sum, bte_real x) {
-    uint${floating}_t bits;
+    uint{{ floating }}_t bits;
     (void)memcpy(&bits, &x, sizeof bits);
     const uint64_t wide = bits;
     return with_word(with_word(sum, wide), wide >> 32U);
@@ -305,8 +305,7 @@ static uint32_t take_sample(bte_state *s, const bte_inputs *inputs) {
     uint32_t failing = 0U;
     for (unsigned i = 0; i < (unsigned)BTE_INPUTS; i++) {
         const bool inside = x[i] >= c->low[i] && x[i] <= c->high[i];
-        const bool jumps = s->started && MATH(fabs)(x[i] - s->raw[i]) > c->change[i];
-        const bool works = inside && !jumps;
+        const bool works = inside && !(s->started && MATH(fabs)(x[i] - s->raw[i]) > c->change[i]);
         if (inside) {
             s->raw[i] = x[i];
         }

@@ -1,21 +1,21 @@
-/* An FMU for co-simulation in FMI $version, with the headers of the tool that compiles it; more
+/* An FMU for co-simulation in FMI {{ version }}, with the headers of the tool that compiles it; more
  * functions are in fmi2.h or fmi3.h. estimator.h or car.h has model_step(state, numbers, first):
  * its outputs after a sample time, or at first.
  */
-#include <fmi${version}Functions.h>
+#include <fmi{{ version }}Functions.h>
 #include <math.h>
 #include <string.h>
 
 #include "bte.h"
-extern const bte_car $data;
+extern const bte_car {{ data }};
 
-#define SAMPLE_TIME $step /* [s] */
-#define FMI(name) fmi${version}##name
+#define SAMPLE_TIME {{ step }} /* [s] */
+#define FMI(name) fmi{{ version }}##name
 
 /* References: inputs and parameters, which are GIVEN; outputs; time [s]; the reason. */
-enum { $references, COUNT, GIVEN = $given };
-static const double first_numbers[COUNT] = {$first};
-#include "$of.h"
+enum { {{ references }}, COUNT, GIVEN = {{ given }} };
+static const double first_numbers[COUNT] = { {{- first -}} };
+#include "{{ of }}.h"
 
 typedef struct {
     double numbers[COUNT];
@@ -24,7 +24,7 @@ typedef struct {
 } instance;
 
 static instance *new_instance(const char *token, void (*log)(void), void *host) {
-    instance *x = strcmp(token, "$token") == 0 ? calloc(1, sizeof *x) : NULL;
+    instance *x = strcmp(token, "{{ token }}") == 0 ? calloc(1, sizeof *x) : NULL;
     if (x != NULL) {
         *x = (instance){.log = log, .host = host};
         FMI(Reset)(x);
@@ -36,7 +36,7 @@ static instance *new_instance(const char *token, void (*log)(void), void *host) 
 static const char *advance(instance *x, double time, double length) {
     const double exact = length / SAMPLE_TIME, steps = floor(exact + 0.5);
     if (!(steps > 0.0 && steps < 4e9 && fabs(exact - steps) < 1e-6)) {
-        return "the communication step is no multiple of $step s";
+        return "the communication step is no multiple of {{ step }} s";
     }
     for (uint32_t i = 0; i < steps; i++) {
         model_step(&x->state, x->numbers, false);
@@ -99,7 +99,7 @@ static void take_up(instance *x, const instance *copy) {
     model_moved(&x->state);
 }
 
-#include "fmi${version}.h"
+#include "fmi{{ version }}.h"
 
 const char *FMI(GetVersion)(void) { return FMI(Version); }
 void FMI(FreeInstance)(void *c) { free(c); }

@@ -1,5 +1,5 @@
 /* A car that rolls and brakes in a straight line, as a model of fmi.c: the equations of
- * calib/model/solver.py with the numbers of $data.c, and the tyre of calib/car/magic_formula.py.
+ * calib/model/solver.py with the numbers of {{ data }}.c, and the tyre of calib/car/magic_formula.py.
  * Forces are over the weight.
  * Newton's method finds the slips of the axles; z, speed and loads follow in the same turns.
  */
@@ -12,7 +12,7 @@ typedef struct {
 
 /* The state after `dt` [s], or that of a steady deceleration where it is 0. */
 static void solve(model *m, double x[], double dt) {
-    const bte_numbers *car = $data.numbers;
+    const bte_numbers *car = {{ data }}.numbers;
     const double shape = x[TYRE_SHAPE], edge = tan(0.5 * acos(-1.0) * EDGE / shape);
     const model was = *m;
     m->slip[BTE_FRONT] = m->slip[BTE_REAR] = 0.0; /* from where no turn goes past a peak */
@@ -65,7 +65,7 @@ static void model_step(model *m, double x[], bool first) {
         x[V] = m->v * moves;
         for (int a = 0; a < BTE_AXLES; a++) {
             x[OMEGA_FL + 2 * a] = x[OMEGA_FR + 2 * a] = m->omega[a] * moves;
-            x[BRAKE_TORQUE_FL + 2 * a] = x[PAD_FRICTION_F + a] * $data.numbers->torque_gain[a] * x[P_MC];
+            x[BRAKE_TORQUE_FL + 2 * a] = x[PAD_FRICTION_F + a] * {{ data }}.numbers->torque_gain[a] * x[P_MC];
             x[BRAKE_TORQUE_FR + 2 * a] = x[BRAKE_TORQUE_FL + 2 * a];
         }
     }

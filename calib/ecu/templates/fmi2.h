@@ -1,7 +1,7 @@
 /* The functions of FMI 2.0. */
 #define VALUES(type) (SOME, type values[])
 #define TELL(wrong) \
-    ((fmi2CallbackLogger)x->log)(x->host, "$name", fmi2Error, "logStatusError", wrong)
+    ((fmi2CallbackLogger)x->log)(x->host, "{{ name }}", fmi2Error, "logStatusError", wrong)
 
 const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
 void *fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,

@@ -9,7 +9,7 @@ static void model_step(model *s, double numbers[], bool first) {
     }
     (void)memcpy(&x, in, sizeof x);
     if (first) {
-        (void)bte_init(s, &$data);
+        (void)bte_init(s, &{{ data }});
     } else {
         (void)bte_step(s, &x);
     }
@@ -21,4 +21,4 @@ static void model_step(model *s, double numbers[], bool first) {
 }
 
 /* A state that comes from another process points into that one. */
-static void model_moved(model *s) { s->car = &$data; }
+static void model_moved(model *s) { s->car = &{{ data }}; }

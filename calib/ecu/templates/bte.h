@@ -1,3 +1,4 @@
+{% from "members.j2" import members, variables %}
 /* Brake torque of each axle from wheel speeds, deceleration and pressure: brake-cal's estimator.
  *
  *     sample --means over a block--> zeros, level, lag, slip, ratio --> friction, torque, bounds
@@ -20,10 +21,10 @@
 extern "C" {
 #endif
 
-#define BTE_LAYOUT $layout /* of the structures below, by their text */
+#define BTE_LAYOUT {{ layout }} /* of the structures below, by their text */
 
-typedef $real bte_real;
-typedef $cell bte_cell; /* of the maps */
+typedef {{ real }} bte_real;
+typedef {{ cell }} bte_cell; /* of the maps */
 
 /* Defined before this file: qualifiers of the calibration data, as `const volatile` where a tool
  * changes them, and what stands before their definitions, as an attribute with a section. */
@@ -36,12 +37,14 @@ typedef $cell bte_cell; /* of the maps */
 
 /* Why an answer does not hold. */
 typedef enum {
-$reasons
+{% for x in reasons %}
+    BTE_{{ x.name }} = {{ x.value }}, /* {{ x.words }} */
+{% endfor %}
 } bte_reason;
 
 /* What the sensors read at one time. */
 typedef struct {
-$inputs
+{{ variables("bte_real", inputs) -}}
 } bte_inputs;
 
 /* With its 95 % bounds. */
@@ -51,14 +54,16 @@ typedef struct {
 
 /* What is answered, finite at any reason. */
 typedef struct {
-$answers
+{{ variables("bte_interval", answers) -}}
 } bte_answers;
 
-enum { BTE_FRONT, BTE_REAR, BTE_AXLES, BTE_WHEELS = 4, BTE_INPUTS = $count };
+enum { BTE_FRONT, BTE_REAR, BTE_AXLES, BTE_WHEELS = 4, BTE_INPUTS = {{ inputs | length }} };
 
 /* Bits of `diagnosis`: an input that is out of its range or jumps, by its place, then these. */
 enum {
-    $checks, /* the first one behind the inputs */
+{% for check in checks %}
+    BTE_{{ check.upper() }}{{ " = BTE_INPUTS" if loop.first }},
+{% endfor %}
     BTE_DIAGNOSES
 };
 
@@ -81,7 +86,10 @@ typedef struct {
 
 /* The numbers of a car, all of one type. */
 typedef struct {
-$numbers
+{% for x in numbers %}
+    bte_real {{ x.name }}{{ sizes[x.parts] }};{% if x.comment %} /* {{ x.comment }} */{% endif %}
+
+{% endfor %}
 } bte_numbers;
 
 /* The data of a car: of which bte.h, how large, with which sum; numbers and maps. */
@@ -95,15 +103,19 @@ typedef struct {
 } bte_car;
 
 /* What a signal reads while nothing brakes, Kalman filters of brakes and speed, and their sums. */
-$structures
-
+{% for name, declared in structures.items() %}
 typedef struct {
-$filters
+{{ members(declared) -}}
+} {{ name }};
+
+{% endfor %}
+typedef struct {
+{{ members(filters) -}}
 } bte_filters;
 
 /* Means over a block [SI], as the estimator takes them in; forces over the weight. */
 typedef struct {
-    bte_real $block;
+    bte_real {{ block | join(", ") }};
 } bte_block;
 
 /* Sums over the samples of a block. */

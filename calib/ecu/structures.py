@@ -1,0 +1,202 @@
+"""The structures of the C code: their text, and where a calibration tool finds their members.
+
+    names, units and meanings of Python --templates/bte.h--> bte.h, and the checksum of its text
+    calib/estimation/equations.py --translation--> its equations --templates/bte.c--> bte.c
+    the same names --calibrated, measured--> numbers of a car and members of `bte_state` in the A2L
+
+bte.h and bte.c are the same for every car of a precision.
+"""
+
+import inspect
+import re
+import zlib
+from collections.abc import Iterable, Iterator
+from dataclasses import fields, is_dataclass
+from functools import cache
+from importlib import resources
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from calib.base.names import AXLES
+from calib.base.templates import templates
+from calib.ecu.translation import structure, translated
+from calib.estimation import constants, state
+from calib.estimation.online import ANSWERS, CHANNELS
+from calib.estimation.reasons import CHECKS, Reason
+from calib.estimation.state import Sample, State
+from calib.exports.dataset import Scalar
+from calib.exports.symbols import Measured, Within, label
+from calib.exports.write import MOST
+from calib.table.exported import Precision
+
+_SERIES = {32: {"terms": 8, "largest": 87}, 64: {"terms": 14, "largest": 700}}
+"""By bits of the floating point: terms of the series of exp and ln, largest argument of exp."""
+_NOT_IN_C = {"Sample": ["v", "log_odds", "driven"], "State": ["waiting", "held_ratio", "zero_slip"]}
+"""Members by class that serve v alone, or that bte.h declares by hand."""
+_STATE = "bte_estimator"  # name of the `bte_state` in the project of the ECU
+_BYTES = {"UWORD": 2, "ULONG": 4, "FLOAT32_IEEE": 4, "FLOAT64_IEEE": 8}  # by type of A2L
+_Row = tuple[str, str, str, str, str, float, float]
+"""A measurement: name, member of the state, meaning, unit, type of A2L, least and largest value."""
+
+
+class Number(NamedTuple):
+    """A number of the car, or one for each of ``parts``: the axles, or the inputs."""
+
+    name: str
+    value: float | list[float]
+    comment: str  # what it is, with its unit in brackets
+    parts: tuple[str, ...] = ()
+
+    @property
+    def values(self) -> list[float]:
+        """The numbers, in the order of ``parts``."""
+        return self.value if isinstance(self.value, list) else [self.value]
+
+
+def source(name: str, /, **facts: Any) -> str:
+    """Return a file of the code in C, made from its template."""
+    return templates("calib.ecu", markup=False).get_template(name).render(facts)
+
+
+def code(precision: Precision) -> str:
+    """Return bte.c in a precision."""
+    equations = (resources.files("calib.estimation") / "equations.py").read_text(encoding="utf-8")
+    bits = precision.floating
+    return source("bte.c", equations=translated(equations), floating=bits, **_SERIES[bits])
+
+
+def header(numbers: Iterable[Number], precision: Precision) -> tuple[str, str]:
+    """Return bte.h with the ``numbers`` of a car, and the checksum of its text, the layout."""
+    parts = {type(x).__name__: x for _, x in members_of(State()) if is_dataclass(x)}
+    facts = {
+        "real": "float" if precision.floating == 32 else "double", "cell": cell(precision),
+        "reasons": [*Reason], "checks": [*CHECKS],
+        "inputs": CHANNELS.values(), "answers": ANSWERS.values(), "numbers": numbers,
+        "sizes": {AXLES: "[BTE_AXLES]", tuple(CHANNELS): "[BTE_INPUTS]", (): ""},
+        "structures": {structure(name): _declared(x) for name, x in parts.items()},
+        "filters": _declared(State()),
+        "block": [name for name in Sample._fields if name not in _NOT_IN_C["Sample"]],
+    }  # fmt: skip
+    text = source("bte.h", layout="LAYOUT", **facts)
+    layout = f"0x{zlib.crc32(text.encode()):08X}U"
+    return text.replace("BTE_LAYOUT LAYOUT", f"BTE_LAYOUT {layout}"), layout
+
+
+def _declared(part: Any) -> Iterator[tuple[str, str, str]]:
+    """Return type, name and comment of each member of a part of the state."""
+    for name, x in members_of(part):
+        kind = "bool" if isinstance(x, bool) else "bte_real"
+        kind = structure(type(x).__name__) if is_dataclass(x) else kind
+        yield kind, name, comments(type(part).__name__)[name]
+
+
+def members_of(part: Any) -> list[tuple[str, Any]]:
+    """Return the members of a part of the state with their values, booleans last, as in C."""
+    hidden = _NOT_IN_C.get(type(part).__name__, [])
+    names = [x.name for x in fields(part) if x.name not in hidden]
+    members = [(name, getattr(part, name)) for name in names]
+    return sorted(members, key=lambda member: isinstance(member[1], bool))
+
+
+@cache
+def comments(class_name: str) -> dict[str, str]:
+    """Return the comment behind each member of `Constants` or of a part of the state."""
+    text = inspect.getsource({**vars(constants), **vars(state)}[class_name])
+    row = r"^    (\w+): [^#\n]*(?:# (.*(?:\n    # .*)*))?$"
+    return {name: x.replace("\n    #", "") for name, x in re.findall(row, text, re.MULTILINE)}
+
+
+def cell(precision: Precision) -> str:
+    """Return the type of the cells of the maps in C."""
+    return f"int{precision.bits}_t" if precision.bits else "bte_real"
+
+
+def initial(value: Any, bits: int) -> str:
+    """Return an initial value in C; its numbers read back to the same floats of ``bits``.
+
+    ``value``: a float, an int, a text as in C, a list of values, or a dict of members.
+    """
+    if isinstance(value, dict):
+        return f"{{{', '.join(f'.{name} = {initial(x, bits)}' for name, x in value.items())}}}"
+    if isinstance(value, list):
+        return f"{{{', '.join(initial(x, bits) for x in value)}}}"
+    if isinstance(value, float):
+        return f"{np.float32(value)!s}F" if bits == 32 else repr(value)
+    return str(value)
+
+
+def calibrated(numbers: Iterable[Number], first: str, size: int) -> list[Scalar]:
+    """Return the numbers of a car, of ``size`` bytes each, as FIRST_c_NUMBER and FIRST_version."""
+    scalars = list[Scalar]()
+    for x in numbers:
+        meaning, unit = _meaning_and_unit(x.comment, x.name)
+        for i, value in enumerate(x.values):
+            part, member = (x.parts[i], f"{x.name}[{i}]") if x.parts else ("", x.name)
+            name = "version" if x.name == "version" else f"c_{x.name}_{part}".removesuffix("_")
+            unit = CHANNELS[part].unit if part in CHANNELS else unit
+            place = Within(f"{first}_numbers", member, size * len(scalars))
+            about = label(first, name), meaning, unit, np.array([value]), None
+            scalars.append(Scalar(*about, sigma=None, within=place))
+    return scalars
+
+
+def measured(first: str, size: int) -> Iterator[Measured]:
+    """Return what a tool can measure in `bte_state`, at the offset that a compiler aligns it to.
+
+    The labels are FIRST_NAME with the names of every other export; numbers have ``size`` bytes.
+    """
+    offset, real = 0, "FLOAT32_IEEE" if size == 4 else "FLOAT64_IEEE"
+    for name, member, meaning, unit, kind, low, high in (*_counters(), *_numbers(real)):
+        width = _BYTES[kind]
+        offset += -offset % width
+        place = Within(_STATE, member, offset)
+        yield Measured(f"{first}_{name}", meaning, unit, kind, low, high, place)
+        offset += width
+
+
+def _counters() -> Iterator[_Row]:
+    """Return the reason, the layout, the bits of what fails, how often and how long it did."""
+    causes = {**{name: f"sensor of {name}" for name in CHANNELS}, **CHECKS}
+    reasons = "; ".join(f"{int(x)} {x.words}" for x in Reason)[:250]
+    bits = f"bits of what fails, from the lowest: {' '.join(causes)}"[:250]
+    yield "reason", "reason", reasons, "1", "ULONG", 0.0, 255.0
+    yield "layout", "layout", "checksum of the structures in bte.h", "1", "ULONG", 0.0, 2.0**32 - 1
+    yield "diagnosis", "diagnosis", bits, "1", "ULONG", 0.0, 2.0 ** len(causes) - 1.0
+    for counter, meaning, kind in (
+        ("lasted", "calls in which it failed", "ULONG"),
+        ("often", "how often it began to fail", "UWORD"),
+    ):
+        high = 2.0 ** (8 * _BYTES[kind]) - 1.0
+        for i, (name, cause) in enumerate(causes.items()):
+            about = f"{meaning}: {cause}"
+            yield f"{counter}_{name}", f"{counter}[{i}]", about, "1", kind, 0.0, high
+
+
+def _numbers(kind: str) -> Iterator[_Row]:
+    """Return the inputs, the answers with their bounds and the states of the filters."""
+    for x in CHANNELS.values():
+        yield x.name, f"last.{x.name}", x.meaning, x.unit, kind, x.low, x.high
+    for x in ANSWERS.values():
+        for end, part in (("", "median"), ("_lower", "lower"), ("_upper", "upper")):
+            about, member = f"{x.meaning}, {part}", f"answers.{x.name}.{part}"
+            yield x.name + end, member, about, x.unit, kind, 0.0, MOST
+    for path, comment in _states(State()):
+        about, unit = _meaning_and_unit(comment, path[-1])
+        member = f"filters.{'.'.join(path)}"
+        yield "_".join(("state", *path)), member, about, unit, kind, -MOST, MOST
+
+
+def _states(part: Any, *path: str) -> Iterator[tuple[tuple[str, ...], str]]:
+    """Return each number of a part of the state: its names from the state on, its comment."""
+    for name, x in members_of(part):
+        if is_dataclass(x):
+            yield from _states(x, *path, name)
+        elif not isinstance(x, bool):
+            yield (*path, name), comments(type(part).__name__)[name]
+
+
+def _meaning_and_unit(comment: str, name: str) -> tuple[str, str]:
+    """Return a comment and the last unit in it; without a comment the name in words, and SI."""
+    units = re.findall(r"\[([^\]]+)\]", comment)
+    return comment or name.replace("_", " "), units[-1] if units else "SI"
