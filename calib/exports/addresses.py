@@ -1,7 +1,7 @@
-"""Where the objects of the C header are in the memory of the ECU, from the linked program.
+"""Find the addresses of exported objects in the linked program of an ECU.
 
-Objects are found by label. One of another size or content than in the export is refused: the
-program holds another table, other points or another width.
+Each object has a symbol with its label. An object of another size or content than the export has
+is refused, since the program then holds another table, other points or another width.
 """
 
 from io import BytesIO
@@ -20,7 +20,7 @@ _LARGEST_ADDRESS = 0xFFFF_FFFF  # A2L holds addresses of 32 bits
 
 
 def find_addresses(path: Path, data: Dataset) -> Addresses:
-    """Addresses of all objects of ``data`` in a program.
+    """Return the addresses of all objects of ``data`` in a program.
 
     Raises ProgramError where the file cannot be read, misses an object or holds another table.
     """
@@ -32,10 +32,10 @@ def find_addresses(path: Path, data: Dataset) -> Addresses:
     try:
         elf = ELFFile(BytesIO(content))
         symbols = _symbols(path, elf, data)
-        for one in data.objects:
-            _check_same(path, data, one, elf, symbols[one.place.symbol])
-        places = {one.label: one.place for one in data.objects}
-        places |= {one.label: one.within for one in data.measured} | {data.epk: Within(data.epk)}
+        for constant in data.objects:
+            _check_same(path, data, constant, elf, symbols[constant.place.symbol])
+        places = {x.label: x.place for x in data.objects} | {data.epk: Within(data.epk)}
+        places |= {x.label: x.within for x in data.measured}
         by_label = {
             name: int(symbols[place.symbol]["st_value"]) + place.offset
             for name, place in places.items()
@@ -48,22 +48,23 @@ def find_addresses(path: Path, data: Dataset) -> Addresses:
         raise ProgramError(message, where=path, do="copy or link it again") from cause
     moved = "it is position-independent: its addresses count from where it is loaded"
     remarks = [f"{path.name}: {moved}"] if elf["e_type"] == "ET_DYN" else []
-    if absent := {one.within.symbol for one in data.measured} - symbols.keys():
+    absent = {x.within.symbol for x in data.measured} - symbols.keys()
+    if absent:
         remarks.append(f"{path.name}: no {', '.join(absent)}: measurements have no address")
-    data_at = [symbols[one.place.symbol] for one in data.objects]
-    begin = min(x["st_value"] for x in data_at)
-    end = max(x["st_value"] + x["st_size"] for x in data_at)
+    constants = [symbols[x.place.symbol] for x in data.objects]
+    begin = min(x["st_value"] for x in constants)
+    end = max(x["st_value"] + x["st_size"] for x in constants)
     return Addresses(by_label, (begin, end - begin), not elf.little_endian, tuple(remarks))
 
 
 def _symbols(path: Path, elf: Any, data: Dataset) -> dict[str, Any]:
-    """The global, defined symbol of each object."""
+    """Return the global, defined symbol of each object."""
     tables = list(elf.iter_sections("SHT_SYMTAB"))
     if not tables or elf["e_type"] == "ET_REL":
         expected = "the linked program as the linker wrote it, before `strip`"
         raise ProgramError("has no symbols at fixed addresses", where=path, expected=expected)
-    needed = {one.place.symbol for one in data.objects}
-    wanted = needed | {one.within.symbol for one in data.measured} | {data.epk}
+    needed = {x.place.symbol for x in data.objects}
+    wanted = needed | {x.within.symbol for x in data.measured} | {data.epk}
     by_name = {
         symbol.name: symbol
         for table in tables
@@ -87,6 +88,7 @@ def _symbols(path: Path, elf: Any, data: Dataset) -> dict[str, Any]:
 
 
 def _check_same(path: Path, data: Dataset, constant: Object, elf: Any, symbol: Any) -> None:
+    """Raise ProgramError where the program holds other numbers than the export."""
     values = constant.values.astype(np.float32) if data.single else constant.values
     if constant.fixed is not None:
         values = constant.fixed.raw.astype(f"i{constant.fixed.bits // 8}")
@@ -108,7 +110,7 @@ def _check_same(path: Path, data: Dataset, constant: Object, elf: Any, symbol: A
 
 
 def _bytes_of(path: Path, elf: Any, symbol: Any) -> bytes | None:
-    """The bytes of an object; None where the file does not hold them."""
+    """Return the bytes of an object; None where the file does not hold them."""
     if not isinstance(symbol["st_shndx"], int):
         return None
     section = elf.get_section(symbol["st_shndx"])

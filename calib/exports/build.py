@@ -1,4 +1,9 @@
-"""The data set of a table: with all rows or the best few, in double precision or rounded."""
+"""Build the data set of a table.
+
+    curves, maps, parameters --rows, precision, labels--> `calib.exports.dataset.Dataset`
+
+It has all rows of the table or the best few, in floating point or in fixed point.
+"""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -18,7 +23,7 @@ from calib.table.table import Table
 
 UNIT = "1"  # of every axis and curve: speed ratios, slips and normalised forces
 
-_SHORT = {  # labels of effects that nearly every table has; of others EFFECT_PARAMETER, cut
+_SHORT = {  # labels of effects that nearly every table has; others are EFFECT_PARAMETER
     ("aerodynamic_drag", "drag_area"): "drag_area",
     ("rolling_resistance", "coefficient"): "rolling_coeff",
 }
@@ -40,7 +45,7 @@ _COLUMNS = {
     "prior": "share of the ratio that is prior",
 }
 _BOUNDS = ("_lower", "_upper")
-_FLAT = {"log_slip", "log_slip_sigma", "share"}  # written without the last axis: alike along it
+_FLAT = {"log_slip", "log_slip_sigma", "share"}  # constant along the last axis, and without it
 
 
 def build(
@@ -52,11 +57,11 @@ def build(
     most_axes: int = MOST_AXES,
     first: str | None = None,
 ) -> Dataset:
-    """The data set of ``stored``, with ``points`` breakpoints on each axis, or all rows.
+    """Return the data set of a version, with ``points`` breakpoints on each axis, or all rows.
 
-    A map of more than ``most_axes`` is written in slices. Every label begins with ``first``,
-    or with the table's name. Raises ExchangeError for more points than rows, a width that C does
-    not have, and a rounded axis that does not increase.
+    ``bits`` of the fixed point, None for floating point. A map of more than ``most_axes`` is
+    sliced. Every label begins with ``first``, or with the table's name. Raises ExchangeError for
+    more points than rows, a width that C does not have, and a rounded axis that does not increase.
     """
     table, precision = stored.table, Precision(points, bits, single)
     first = prefix(stored.name if first is None else first)
@@ -75,7 +80,7 @@ def build(
 
 
 def _curves_of(table: Table, first: str, precision: Precision) -> Iterator[tuple[Axis, list[Grid]]]:
-    """Each axis and its curves, on the rows that are kept."""
+    """Return each axis with its curves, at the rows that are breakpoints."""
     p, d, g = table.paper, table.difference, table.tyre
     over_eta = {
         "f1": ("f1 = F_f - z", p.f1, p.f1_lower, p.f1_upper, p.count, p.flag),
@@ -101,9 +106,10 @@ def _curves_of(table: Table, first: str, precision: Precision) -> Iterator[tuple
 
 
 def _name(part: str, name: str) -> str:
-    """Name of an axis or a column of a map as its label has it.
+    """Return the name of an axis or a column of a map in its label.
 
-    ``_0``: before eta is read, rho_0 of the step; ``slip_apart``: the tyre curve has ``slip``.
+    ``_0`` marks what is known before eta is read, rho_0 of the step. The slip of a map is
+    ``slip_apart``, since the tyre curve has an axis ``slip``.
 
     >>> _name("map", "slip"), _name("level_map", "z"), _name("level_map", "ratio_lower")
     ('slip_apart', 'z_level', 'ratio_0_lower')
@@ -117,7 +123,7 @@ def _name(part: str, name: str) -> str:
 def maps_of(
     table: Table, first: str, precision: Precision, most_axes: int
 ) -> Iterator[tuple[tuple[Axis, ...], list[Grid]]]:
-    """Axes and columns of each map; those with more axes than a format holds in slices."""
+    """Return axes and columns of each map, in slices if it has more than ``most_axes``."""
     for part in MAPS:
         table_map = getattr(table, part)
         exported = written_map(table_map, precision, label(first, part))
@@ -128,9 +134,9 @@ def maps_of(
             )
             for (name, written), rows in zip(exported.axes.items(), table_map.shape, strict=True)
         )  # fmt: skip
-        whole = [_grid(label(first, _name(part, x)), x, axes, exported) for x in exported.columns]
-        slices = (sliced(one) if len(one.axes) > most_axes else [one] for one in whole)
-        yield axes, [*chain.from_iterable(slices)]
+        grids = [_grid(label(first, _name(part, x)), x, axes, exported) for x in exported.columns]
+        parts = (sliced(grid) if len(grid.axes) > most_axes else [grid] for grid in grids)
+        yield axes, [*chain.from_iterable(parts)]
 
 
 def _grid(name: str, column: str, axes: tuple[Axis, ...], exported: WrittenMap) -> Grid:
@@ -144,7 +150,7 @@ def _grid(name: str, column: str, axes: tuple[Axis, ...], exported: WrittenMap) 
 
 
 def _cut(grid: Grid, index: int) -> Grid:
-    """A map at one value of its last axis, the fastest one, without that axis."""
+    """Return a map at one value of its last axis, without that axis."""
     part, bounds = slice(index, None, grid.shape[-1]), grid.bounds
     return replace(
         grid,
@@ -156,7 +162,7 @@ def _cut(grid: Grid, index: int) -> Grid:
 
 
 def sliced(grid: Grid, rows: Sequence[float] = ()) -> list[Grid]:
-    """A map at each of ``rows``, values of its last axis, or at all: NAME_s1 at the first, ..."""
+    """Return a map at each of ``rows``, or of all values of its last axis: NAME_s1, NAME_s2, ..."""
     return [
         replace(
             _cut(grid, grid.axis.numbers.index(x)), label=label(grid.label, f"s{i}"),
@@ -167,6 +173,7 @@ def sliced(grid: Grid, rows: Sequence[float] = ()) -> list[Grid]:
 
 
 def _scalars(table: Table, version: int, first: str, precision: Precision) -> Iterator[Scalar]:
+    """Return the parameters of car, pads, tyres and known effects."""
     car, pads = table.vehicle, table.calibration
     axles = (("f", car.front), ("r", car.rear))
 

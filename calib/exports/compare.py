@@ -1,4 +1,7 @@
-"""A DCM or CDF file that was read back, compared with the table that it names."""
+"""Compare a DCM or CDF file that was read back with the table that it names.
+
+Another tool may have saved the file: it keeps labels, may round numbers and drop rows.
+"""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -18,12 +21,12 @@ from calib.store.store import Store
 from calib.store.version import Stored
 from calib.table.exported import BITS, Precision
 
-_DIGITS = range(17, 2, -1)  # significant ones or decimals that a tool may have kept
+_DIGITS = range(17, 2, -1)  # significant digits, or decimals, that a tool may have kept
 _EDITED = "the numbers do not agree with its checksum"
 
 
 class Pair(NamedTuple):
-    """A number as read in a file, with what the table has there; ``where`` its label and place."""
+    """A number ``read`` in a file and the ``true`` one of the table; ``where``: label and place."""
 
     where: str
     read: float
@@ -31,39 +34,41 @@ class Pair(NamedTuple):
 
 
 def _best_rounding(pairs: Sequence[Pair]) -> tuple[str, list[Pair]]:
-    """The way in which the numbers read were rounded, and those that it does not explain.
+    """Return the rounding that explains most of the numbers read, and the pairs that it does not.
 
-    The way is empty where the numbers are those of the table to the last bit.
+    The rounding is "" where the numbers are those of the table to the last bit.
 
     >>> _best_rounding([Pair("a", 0.333333, 1 / 3), Pair("b", 666.667, 2000 / 3)])
     ('to 6 significant digits', [])
     >>> _best_rounding([Pair("a", 0.25, 0.25), Pair("b", 0.4, 0.38)])
     ('', [Pair(where='b', read=0.4, true=0.38)])
     """
-    ways = {f"to {n} significant digits": f".{n - 1}e" for n in _DIGITS}
-    ways |= {f"to {n} decimals": f".{n}f" for n in _DIGITS}
+    formats = {f"to {n} significant digits": f".{n - 1}e" for n in _DIGITS}
+    formats |= {f"to {n} decimals": f".{n}f" for n in _DIGITS}
     unexplained = {
         "": [pair for pair in pairs if pair.read.hex() != pair.true.hex()],
         "to single precision": [p for p in pairs if np.float32(p.read) != np.float32(p.true)],
     }
-    for way, form in ways.items() if all(unexplained.values()) else ():
-        unexplained[way] = [pair for pair in pairs if not _rounds(pair, form)]
-    best = min(unexplained, key=lambda way: len(unexplained[way]))
+    if all(unexplained.values()):
+        for rounding, form in formats.items():
+            unexplained[rounding] = [pair for pair in pairs if not _rounds(pair, form)]
+    best = min(unexplained, key=lambda rounding: len(unexplained[rounding]))
     return best, unexplained[best]
 
 
 def _rounds(pair: Pair, form: str) -> bool:
+    """Whether a format makes the number read of the true one, in double or single precision."""
     return pair.read in (float(f"{x:{form}}") for x in (pair.true, float(np.float32(pair.true))))
 
 
 def parent(file: Returned, store: Store) -> Stored | None:
-    """The version that the head of a file names, or its labels; None where the store has none.
+    """Return the version that the head or the labels of a file name; None if it is not stored.
 
     Raises DamagedTable, and ExchangeError where several tables have such labels.
     """
     name, _, version = file.table.partition("@")
     if "table" not in file.facts:
-        alike = [one for one in names_in(store.folder) if prefix(one) == name]
+        alike = [table for table in names_in(store.folder) if prefix(table) == name]
         if len(alike) > 1:
             flaw = f"its labels begin with {name}_, as those of {' and '.join(alike)} do"
             do = "export the table again, and keep the head of the file"
@@ -76,18 +81,18 @@ def parent(file: Returned, store: Store) -> Stored | None:
 
 
 class Difference(NamedTuple):
-    """Contradictions of a file in words, and how its numbers were ``rounded``, "" if not at all."""
+    """What a file has other than its table."""
 
-    wrong: list[str]
-    rounded: str = ""
+    wrong: list[str]  # contradictions, in words
+    rounded: str = ""  # how the numbers were rounded; "" if they were not
     missing: tuple[str, ...] = ()  # labels of the table that are not in the file
 
 
 def difference(file: Returned, stored: Stored | None) -> Difference:
-    """Contradictions in a file: to the table of the store, or to its own checksum without one.
+    """Compare a file with a version, or without a version with the checksum in the file.
 
     Rounded numbers agree, and so does a selection of the rows. Raises ExchangeError where there is
-    neither table nor checksum.
+    neither a version nor a checksum.
     """
     edited = [_EDITED] if file.unchanged is False else []
     if stored is None:
@@ -101,7 +106,7 @@ def difference(file: Returned, stored: Stored | None) -> Difference:
         tried.append(_compared(file, content, edited))
         if not tried[-1].wrong:
             break
-    result = min(tried, key=lambda one: len(one.wrong))
+    result = min(tried, key=lambda difference: len(difference.wrong))
     claimed = file.facts.get("digest", stored.digest)
     if claimed != stored.digest:
         flaw = f"claims digest {claimed[:12]}, {stored.id} has {stored.digest[:12]}"
@@ -110,8 +115,9 @@ def difference(file: Returned, stored: Stored | None) -> Difference:
 
 
 def _compared(file: Returned, content: Content, edited: list[str]) -> Difference:
+    """Compare a file with the numbers of a table; ``edited``: its contradiction to its checksum."""
     rounded, changed = _best_rounding(list(_pairs(file.content, content)))
-    wrong = [f"{one.where}: {one.read!r}, the table has {one.true!r}" for one in changed]
+    wrong = [f"{x.where}: {x.read!r}, the table has {x.true!r}" for x in changed]
     absent = tuple(sorted(_labels(content) - _labels(file.content)))
     return Difference(
         [*([] if rounded else edited), *wrong, *_gaps(file, content)], rounded, absent
@@ -123,30 +129,33 @@ def _labels(content: Content) -> set[str]:
 
 
 def _candidates(stored: Stored, file: Returned) -> Iterator[Content]:
-    """The numbers of a table, its maps in the slices that the file has; then as C code reads it."""
+    """Return the numbers of a table as an export writes them, then as those of C code do.
+
+    Maps of more axes than the format has are in the slices of the file.
+    """
     most = FORMATS["cdfx" if file.format == CDF else "dcm"].most_axes
     data = build(stored, first=file.prefix)
-    whole: list[Grid] = []
-    for one in data.maps:
-        rows = one.axis.numbers
-        near = _nearest(file.content.axes.get(one.axis.label, rows), rows)
-        whole += sliced(one, near) if len(one.axes) > most else [one]
-    yield replace(data, maps=tuple(whole)).content()
+    maps: list[Grid] = []
+    for grid in data.maps:
+        rows = grid.axis.numbers
+        near = _nearest(file.content.axes.get(grid.axis.label, rows), rows)
+        maps += sliced(grid, near) if len(grid.axes) > most else [grid]
+    yield replace(data, maps=tuple(maps)).content()
     points = max((len(x) for x in file.content.axes.values()), default=None)
     for bits in (None, *BITS):  # the axes of code are rounded first
         how = Precision(points, bits, single=bits is None, code=True)
-        axes, maps = zip(*maps_of(stored.table, file.prefix, how, most), strict=True)
-        over = tuple(chain.from_iterable(axes))
-        yield replace(data, axes=over, maps=tuple(chain.from_iterable(maps))).content()
+        axes, grids = zip(*maps_of(stored.table, file.prefix, how, most), strict=True)
+        flat_axes, flat_maps = (tuple(chain.from_iterable(x)) for x in (axes, grids))
+        yield replace(data, axes=flat_axes, maps=flat_maps).content()
 
 
 def _pairs(read: Content, whole: Content) -> Iterator[Pair]:
-    """Every number of the labels that both have, with that of the nearest row of the table."""
+    """Pair each number of a file with that of the same label at the nearest row of the table."""
     for name in sorted(read.scalars.keys() & whole.scalars.keys()):
         yield Pair(name, read.scalars[name], whole.scalars[name])
     axes, theirs = (
-        one.axes | {f"{n}, axis": x[0] for n, (x, _) in one.grids.items() if len(x) == 1}
-        for one in (read, whole)
+        content.axes | {f"{n}, axis": x[0] for n, (x, _) in content.grids.items() if len(x) == 1}
+        for content in (read, whole)
     )
     for name in sorted(axes.keys() & theirs.keys()):
         near = _nearest(axes[name], theirs[name])
@@ -162,16 +171,16 @@ def _pairs(read: Content, whole: Content) -> Iterator[Pair]:
 
 
 def _nearest(points: Sequence[float], rows: Sequence[float]) -> Sequence[float]:
-    """The row of the table that each point is; rounded points of eta may be alike."""
+    """Return the row of the table for each point of a file; rounded points may be equal."""
     if len(points) == len(rows):
         return rows
     return [min(rows, key=lambda row: abs(row - x)) for x in points]
 
 
 def _gaps(file: Returned, whole: Content) -> list[str]:
-    """Labels that the table lacks, and curves that end before the table does.
+    """Return labels that the table does not have, and curves that do not span the table.
 
-    A tool may save other objects of an ECU along; labels of this table begin with its name.
+    A tool may save other objects of an ECU, too; the labels of this table begin with its name.
     """
     more = _labels(file.content) - _labels(whole)
     gaps = [f"{name}: only in the file" for name in more if name.startswith(f"{file.prefix}_")]

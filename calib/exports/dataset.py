@@ -1,4 +1,7 @@
-"""A table for calibration tools: axes, curves, maps, scalars; made by `calib.exports.build`."""
+"""The data set of an export: a table as axes, curves, maps and scalars that have labels.
+
+`calib.exports.build` makes it of a version, and each format of `calib.exports.write` writes it.
+"""
 
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
@@ -16,18 +19,18 @@ _CLAMP = (
     "outside an axis the value at its nearest end holds (clamped, never extrapolated); "
     "the estimator marks such samples as not valid"
 )
-_NOT = "NOT RELEASED, not for use in a vehicle: "
+_NOT_RELEASED = "NOT RELEASED, not for use in a vehicle: "
 _KINDS = ("VALUE", "CURVE", "MAP", "CUBOID")  # words of A2L and CDF by number of axes
-MOST_AXES = len(_KINDS) - 1
+MOST_AXES = len(_KINDS) - 1  # of an object in A2L and CDF
 
 Numbers = tuple[float, ...]
 
 
 @dataclass(frozen=True)
 class Content:
-    """The bare numbers by label: shared axes, scalars, and ``grids``: curves and maps.
+    """The numbers of an export by label: shared axes, scalars, and ``grids``, curves and maps.
 
-    A grid is its axes, the slowest first, and its values.
+    A grid is a tuple of its axes, the slowest first, and of its values.
     """
 
     axes: dict[str, Numbers]
@@ -56,9 +59,10 @@ def _hex(values: Numbers) -> str:
 
 @dataclass(frozen=True)
 class Object:
-    """What has a label: ``values`` (n,) in ``unit``; ``fixed`` the same in fixed point, or None.
+    """An object with a label and ``values`` (n,) in ``unit``.
 
-    ``axes`` of a curve or map, the slowest first.
+    ``fixed``: the values in fixed point, None in floating point. ``axes`` of a curve or map, the
+    slowest first. ``within``: place of the object if it is part of a larger one in the memory.
     """
 
     label: str
@@ -71,17 +75,17 @@ class Object:
 
     @property
     def place(self) -> Within:
-        """Where it is in the memory: by default an object of its own."""
+        """Place of the object in the memory; by default it has a symbol of its own."""
         return self.within or Within(self.label)
 
     @property
     def kind(self) -> str:
-        """Word of A2L and CDF for it."""
+        """Kind of the object, as A2L and CDF call it."""
         return "AXIS_PTS" if isinstance(self, Axis) else _KINDS[len(self.axes)]
 
     @property
     def numbers(self) -> list[float]:
-        """The values as Python's own floats: their texts read back to the last bit."""
+        """The values as floats of Python, whose texts read back to the last bit."""
         return [float(x) for x in self.values]
 
     @property
@@ -92,9 +96,10 @@ class Object:
 
 @dataclass(frozen=True)
 class Axis(Object):
-    """Breakpoints, strictly increasing; ``shared`` by several curves, or the own axis of one.
+    """Breakpoints, which increase strictly.
 
-    ``rows`` of the table; ``misfit`` between the breakpoints; ``origin`` of the fixed point.
+    ``shared``: whether several curves have this axis. ``origin`` of the fixed point. ``rows``:
+    number of rows of the table. ``misfit``: interpolation error between the breakpoints.
     """
 
     shared: bool
@@ -121,10 +126,10 @@ class Axis(Object):
 
 @dataclass(frozen=True)
 class Grid(Object):
-    """Values (n,) over every combination of its axes, row-major, the first axis the slowest.
+    """A curve or map: values (n,) at every combination of its axes, the first axis the slowest.
 
-    ``column`` of the table; ``bounds`` its 95 % bounds, if it has any; ``count`` and ``flag`` of
-    the cells of a curve. Those of a map are None, and its bounds are grids of their own.
+    ``column``: name in the table. ``bounds``: 95 % bounds, or None. ``count`` and ``flag`` of the
+    cells of a curve; a map has none, and its bounds are grids, too.
     """
 
     column: str
@@ -134,7 +139,7 @@ class Grid(Object):
 
     @property
     def axis(self) -> Axis:
-        """The axis along which the values lie side by side."""
+        """The fastest axis, along which the values lie side by side."""
         return self.axes[-1]
 
     @property
@@ -149,22 +154,22 @@ class Grid(Object):
 
     @property
     def is_bound(self) -> bool:
-        """Whether it is a bound of another grid."""
+        """Whether the grid is a bound of another grid."""
         return self.column.endswith(("_lower", "_upper"))
 
 
 @dataclass(frozen=True)
 class Scalar(Object):
-    """One number; ``sigma`` one standard deviation where it was fitted."""
+    """One number; ``sigma``: its standard deviation if it was fitted, else None."""
 
     sigma: float | None
 
 
 @dataclass(frozen=True)
 class Dataset:
-    """The exported data of ``stored``, in integers of ``bits``, in ``single`` precision or double.
+    """The exported data of a version, in integers of ``bits``, in ``single`` precision or double.
 
-    ``addresses`` and ``measured`` for A2L.
+    ``prefix``: first part of all labels. ``addresses`` and ``measured`` variables are for A2L.
     """
 
     stored: Stored
@@ -180,7 +185,7 @@ class Dataset:
 
     @property
     def epk(self) -> str:
-        """Label of the text in the memory that says which table it is: the digest."""
+        """Label of the text in the memory that identifies the table: its digest."""
         return f"{self.prefix}_digest"
 
     @property
@@ -195,17 +200,17 @@ class Dataset:
 
     @property
     def lines(self) -> tuple[Grid, ...]:
-        """What has one axis: curves, and maps of one axis."""
-        return tuple(one for one in (*self.curves, *self.maps) if len(one.axes) == 1)
+        """Curves, and maps of one axis."""
+        return tuple(grid for grid in (*self.curves, *self.maps) if len(grid.axes) == 1)
 
     @property
     def surfaces(self) -> tuple[Grid, ...]:
-        """Maps of more axes."""
-        return tuple(one for one in self.maps if len(one.axes) > 1)
+        """Maps of several axes."""
+        return tuple(grid for grid in self.maps if len(grid.axes) > 1)
 
     @property
     def number_format(self) -> str:
-        """How the numbers of a file for an ECU are written."""
+        """Number format of a file for an ECU, in words."""
         if self.bits is None:
             return "float" if self.single else "double"
         wide = "; scalars and axes of maps int16_t" * (self.bits < LEAST_BITS)
@@ -213,18 +218,18 @@ class Dataset:
 
     @property
     def date(self) -> str:
-        """The day [UTC] on which the table was stored, today for one that is not."""
+        """Day [UTC] on which the table was stored; today for a table in no store."""
         return self.stored.state.stored_at[:10] or datetime.now(UTC).date().isoformat()
 
     @property
     def quality(self) -> str:
-        """State of CDF 2.0: preliminary until released; checked if a validation speaks for it."""
+        """State in CDF 2.0: preliminary until the release, then checked if it was validated."""
         if not self.stored.state.released:
             return "prelimCalibrated"
         return "checked" if self.stored.state.verdict else "calibrated"
 
     def content(self) -> Content:
-        """The bare numbers."""
+        """The numbers by label."""
         grids = (*self.curves, *self.maps)
         return Content(
             {a.label: tuple(a.numbers) for a in self.axes if a.shared},
@@ -233,13 +238,13 @@ class Dataset:
         )
 
     def facts(self) -> dict[str, str]:
-        """Facts that every file states, by key."""
+        """Return what every file says about itself, by key."""
         stored, table, content = self.stored, self.stored.table, self.content()
-        beyond = (f"{name}: {why}" for name, why in table.not_sensed.items())
+        not_sensed = (f"{name}: {why}" for name, why in table.not_sensed.items())
         may_be_empty = {
             "parents": ", ".join(parent.id for parent in table.provenance.parents),
             "effects to take out": ", ".join(sensed(table.vehicle.effects).described),
-            "effects not known to the ECU": "; ".join(beyond),
+            "effects not known to the ECU": "; ".join(not_sensed),
         }
         return {
             "table": stored.id,
@@ -252,7 +257,7 @@ class Dataset:
             **{f"breakpoints {a.label}": a.placed for a in self.axes},
             "validation": stored.state.verdict or "none",
             "state": self.quality,
-            "release": ("" if stored.state.released else _NOT) + stored.state.with_reason,
+            "release": ("" if stored.state.released else _NOT_RELEASED) + stored.state.with_reason,
             "objects": str(len(content)),
             "checksum": content.checksum,
         }

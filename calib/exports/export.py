@@ -1,4 +1,4 @@
-"""A table written as the file of a calibration tool, an ECU or another program."""
+"""Write a table as the file of a calibration tool, of an ECU or of another program."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -17,30 +17,30 @@ from calib.store.version import Stored, unstored
 from calib.table.table import Table
 
 ENDINGS = {name: form.ending for name, form in FORMATS.items()}  # of files, by format
-
 CODES = ("ecu", "fmu2", "fmu3", "car-fmu2", "car-fmu3")
-"""Formats that are C, see `calib.ecu`: the estimator for an ECU, as an FMU of FMI 2.0 or 3.0, and
-an FMU of the simulated car, whose sensors that one reads."""
+"""Formats of `calib.ecu`: the estimator for an ECU, the estimator as an FMU of FMI 2.0 or 3.0, and
+an FMU of the simulated car, whose sensors the estimator reads."""
 
 
 def _form_of(path: Path, written: str | None) -> str:
-    """The format that was named, in upper or lower case, else that of the ending of the file."""
+    """Return the format that is named, in upper or lower case, else that of the file's ending."""
     if written is not None and written.lower() in FORMATS:
         return written.lower()
     if written is not None:
-        every = [*ENDINGS, *CODES]
-        do = did_you_mean(written.lower(), every)
-        raise ExchangeError(f"unknown format {written!r}", expected=", ".join(every), do=do)
-    for form, ending in ENDINGS.items():
-        if path.suffix.lower() == f".{ending}":
-            return form
-    endings = ", ".join(f".{ending}" for ending in ENDINGS.values())
-    raise ExchangeError("its ending names no format", where=path, expected=f"one of {endings}")
+        known = [*ENDINGS, *CODES]
+        do = did_you_mean(written.lower(), known)
+        raise ExchangeError(f"unknown format {written!r}", expected=", ".join(known), do=do)
+    endings = {f".{ending}": name for name, ending in ENDINGS.items()}
+    if path.suffix.lower() in endings:
+        return endings[path.suffix.lower()]
+    raise ExchangeError(
+        "its ending names no format", where=path, expected=f"one of {', '.join(endings)}"
+    )
 
 
 @dataclass(frozen=True)
 class Exported:
-    """A file that was written: ``data`` in the format ``form``, as ``content``."""
+    """A file that was written: its ``content`` is ``data`` in the format ``form``."""
 
     path: Path
     form: str
@@ -52,31 +52,26 @@ class Exported:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What the file assumes of the ECU's memory, in sentences."""
+        """Assumptions of the file about the ECU's memory, in sentences."""
         return self.data.addresses.remarks if FORMATS[self.form].addressed else ()
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What a reader of the file should know: reduced axes, the ECU's memory."""
+        """Axes with fewer points than the table has rows, and assumptions about the memory."""
         reduced = (f"{axis.label}: {axis.placed}" for axis in self.data.axes if axis.reduced)
         return (*reduced, *self.remarks)
 
     def to_dict(self) -> dict[str, Any]:
-        """The JSON document of an export."""
+        """Return the JSON document of an export."""
         data = self.data
         axes = [
-            {
-                "label": axis.label,
-                "points": len(axis.values),
-                "rows": axis.rows,
-                **vars(axis.misfit),
-            }
-            for axis in data.axes
+            {"label": x.label, "points": len(x.values), "rows": x.rows, **vars(x.misfit)}
+            for x in data.axes
         ]
         rounded = [
-            {"label": one.label, "step": one.fixed.step, "error": one.fixed.error}
-            for one in data.objects
-            if one.fixed is not None
+            {"label": x.label, "step": x.fixed.step, "error": x.fixed.error}
+            for x in data.objects
+            if x.fixed is not None
         ]
         return {
             **data.facts(),
@@ -94,7 +89,10 @@ class Exported:
 def require_handed_out(
     stored: Stored, without_effects: Sequence[str] = (), *, unreleased: bool = False
 ) -> None:
-    """Raise as `export` for a version that is not released, or has effects that no ECU senses."""
+    """Raise as `export` for a version that may not be handed out.
+
+    It is not released, or its car has known effects that no ECU senses.
+    """
     if not (stored.state.released or unreleased):
         raise StoreError(
             f"is {stored.state.description}",
@@ -103,11 +101,12 @@ def require_handed_out(
             do=f"release it with `brake-cal tables release {stored.id} --reason ... --evidence "
             "...`, or hand it out as it is with --unreleased: the file then says so",
         )
-    beyond = stored.table.not_sensed
-    if unknown := [name for name in without_effects if name not in beyond]:
+    by_effect = stored.table.not_sensed  # the reason why no ECU senses it
+    unknown = [name for name in without_effects if name not in by_effect]
+    if unknown:
         flaw = f"{unknown[0]} is no known effect of {stored.id} that an ECU cannot sense"
-        raise ExchangeError(flaw, expected=", ".join(beyond) or "none")
-    not_sensed = {name: why for name, why in beyond.items() if name not in without_effects}
+        raise ExchangeError(flaw, expected=", ".join(by_effect) or "none")
+    not_sensed = {name: why for name, why in by_effect.items() if name not in without_effects}
     if not_sensed:
         raise StoreError(
             "the ECU cannot take out "
@@ -172,8 +171,8 @@ def export(
         (elf is not None, "addressed", "addresses"),
     ):
         if is_given and not getattr(FORMATS[form], feature):
-            fit = [name for name, one in FORMATS.items() if getattr(one, feature)]
-            raise ExchangeError(f"{form} has no {name}", expected=", ".join(fit))
+            able = [other for other, x in FORMATS.items() if getattr(x, feature)]
+            raise ExchangeError(f"{form} has no {name}", expected=", ".join(able))
     most = FORMATS[form].most_axes
     data = build(stored, points, bits, single=single, most_axes=most, first=prefix)
     if elf is not None:

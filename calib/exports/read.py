@@ -1,6 +1,7 @@
-"""Read DCM and CDF files back, also those that another tool has saved; refuse damaged ones.
+"""Read DCM and CDF files back, also files that another tool has saved; refuse damaged ones.
 
-Tools keep labels and numbers, but seldom the head: the table is named by the head or the labels.
+A tool keeps labels and numbers, but seldom the head of the file. So the name of the table comes
+from the head if there is one, else from the labels. DCM is read first, CDF in the second half.
 """
 
 import math
@@ -17,15 +18,16 @@ from calib.exports.dataset import Content, Numbers
 from calib.exports.symbols import prefix
 
 DCM, CDF = "DCM", "CDF"
-_VERSION = "_version"  # end of the label of the version of the table
-_Found = tuple[dict[str, str], dict[str, str], Content]  # facts and units by name, and the numbers
+_VERSION = "_version"  # end of the label of the table's version
+_Parts = tuple[dict[str, str], dict[str, str], Content]  # facts by key, units by label, numbers
 
 
 @dataclass(frozen=True)
 class Returned:
-    """A file read back: ``format`` DCM or CDF, ``facts`` by key, and its numbers.
+    """A file read back, in the ``format`` DCM or CDF.
 
-    ``prefix`` of the labels of the table, ``table`` its id: as the head has it, or by the labels.
+    ``facts`` of its head by key, ``units`` by label, and the numbers. ``prefix``: first part of the
+    labels. ``table``: id of the table, by the head or by the labels.
     """
 
     format: str
@@ -37,15 +39,15 @@ class Returned:
 
     @property
     def unchanged(self) -> bool | None:
-        """Whether the numbers agree with the checksum; None where the file states none."""
+        """Whether the numbers agree with the checksum in the file; None if it has none."""
         checksum = self.facts.get("checksum")
         return None if checksum is None else checksum == self.content.checksum
 
 
 def read_back(path: Path) -> Returned:
-    """The content of a DCM or CDF file; its first character tells which of them it is.
+    """Return the content of a file: CDF if its first character is that of XML, else DCM.
 
-    Raises ExchangeError when it cannot be read, is cut off or damaged, or names no table.
+    Raises ExchangeError when the file cannot be read, is cut off or damaged, or names no table.
     """
     data = bytes_of(path, CALIBRATION, ExchangeError, "DCM or CDF")
     is_xml = data.lstrip(b"\xef\xbb\xbf \r\n\t").startswith(b"<")
@@ -53,7 +55,7 @@ def read_back(path: Path) -> Returned:
     facts, units, content = read(path, data)
     firsts = [name.removesuffix(_VERSION) for name in content.scalars if name.endswith(_VERSION)]
     firsts = [x for x in firsts if {f"{x}_D", f"{x}_level"} & content.grids.keys()]
-    if not firsts and "table" in facts:  # a part of a table
+    if not firsts and "table" in facts:  # the file has only a part of the table
         firsts = [prefix(facts["table"].partition("@")[0])]
     if len(firsts) != 1:
         message = (
@@ -73,20 +75,16 @@ _GROUP, _LINE, _MAP = "GRUPPENKENNLINIE", "KENNLINIE", "GRUPPENKENNFELD"
 _FORMAT, _FUNCTIONS = "KONSERVIERUNG_FORMAT", "FUNKTIONEN"
 _X, _W, _Y = "ST/X", "WERT", "ST/Y"
 _ARRAYS = {
-    _AXIS: (_X,),
-    _GROUP: (_X, _W),
-    _LINE: (_X, _W),
-    _MAP: (_X, _Y, _W),
-    _VALUE: (_W,),
+    _AXIS: (_X,), _GROUP: (_X, _W), _LINE: (_X, _W), _MAP: (_X, _Y, _W), _VALUE: (_W,),
     _FUNCTIONS: (),
-}
-"""Arrays that an object of each kind must have."""
+}  # fmt: skip
+"""Arrays that an object of each kind has: points of its axes, and values."""
 
 _TEXTS = ("LANGNAME", "DISPLAYNAME", "FUNKTION", "EINHEIT_X", "EINHEIT_Y", "EINHEIT_W", "FKT")
 
 
 class _Block(NamedTuple):
-    """One object of a DCM file; ``over`` names the axes of a curve or map by their arrays."""
+    """An object of a DCM file; ``over``: labels of the shared axes of a curve or map, by array."""
 
     kind: str
     name: str
@@ -98,7 +96,7 @@ class _Block(NamedTuple):
 _CONTROL = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\u2028\u2029]")
 
 
-def _read_dcm(path: Path, data: bytes) -> _Found:
+def _read_dcm(path: Path, data: bytes) -> _Parts:
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -131,12 +129,12 @@ def _read_dcm(path: Path, data: bytes) -> _Found:
 
 
 def _words(part: str) -> list[list[str]]:
-    """The words of each line that is no comment."""
+    """Return the words of each line that is no comment."""
     return [line.split() for line in part.splitlines() if line and line[0] not in "*!."]
 
 
 def _block(path: Path, part: str) -> _Block:
-    """The object in front of an END: its first line, its texts, and all its numbers."""
+    """Read the object in front of an END: its first line, its texts, and its numbers."""
     first, *lines = _words(part) or [[""]]
     kind, name, *sizes = *first, *[""] * (2 - len(first))
     if kind not in _ARRAYS or (not name and kind != _FUNCTIONS):
@@ -163,7 +161,7 @@ def _block(path: Path, part: str) -> _Block:
 
 
 def _once(path: Path, units: Iterable[tuple[str, str]]) -> dict[str, str]:
-    """The units by label. Raises ExchangeError for a label that is missing or given twice."""
+    """Return units by label. Raises ExchangeError for a label that is missing or occurs twice."""
     by_label: dict[str, str] = {}
     for name, unit in units:
         if not name or name in by_label:
@@ -185,10 +183,10 @@ def _bad(where: object, message: str, expected: str) -> ExchangeError:
 
 
 _TREE = "SW-SYSTEMS/SW-SYSTEM/SW-INSTANCE-SPEC/SW-INSTANCE-TREE"
-_COUNTS = {"CURVE": 1, "MAP": 2, "CUBOID": 3}  # of axes
+_AXES = {"CURVE": 1, "MAP": 2, "CUBOID": 3}  # number of axes by category
 
 
-def _read_cdf(path: Path, text: bytes) -> _Found:
+def _read_cdf(path: Path, text: bytes) -> _Parts:
     root = _root(path, text)
     tree = root.find(_TREE)
     if root.tag != "MSRSW" or root.findtext("CATEGORY") != "CDF20" or tree is None:
@@ -198,7 +196,7 @@ def _read_cdf(path: Path, text: bytes) -> _Found:
     objects = [(x.findtext("SHORT-NAME", ""), x) for x in tree.findall("SW-INSTANCE")]
     unit = "SW-VALUE-CONT/UNIT-DISPLAY-NAME"
     units = _once(path, ((name, instance.findtext(unit, "")) for name, instance in objects))
-    values: dict[str, dict[str, Numbers]] = {k: {} for k in ("COM_AXIS", *_COUNTS, "VALUE")}
+    values: dict[str, dict[str, Numbers]] = {k: {} for k in ("COM_AXIS", *_AXES, "VALUE")}
     for name, instance in objects:
         kind = instance.findtext("CATEGORY", "")
         if kind not in values:
@@ -207,7 +205,7 @@ def _read_cdf(path: Path, text: bytes) -> _Found:
     axes, named = values["COM_AXIS"], dict(objects)
     grids = {
         n: (_over(path, n, named[n], axes, count), y)
-        for kind, count in _COUNTS.items()
+        for kind, count in _AXES.items()
         for n, y in values[kind].items()
     }
     for name, (over, y) in grids.items():
@@ -219,7 +217,7 @@ def _read_cdf(path: Path, text: bytes) -> _Found:
 
 
 def _root(path: Path, text: bytes) -> ET.Element:
-    # A few bytes of entities can stand for gigabytes; other encodings could hide them.
+    # A few bytes of entities can expand to gigabytes; other encodings could hide an entity.
     if b"<!ENTITY" in text or b"\0" in text:
         raise _bad(path, "declares an entity", "XML without entities")
     try:
@@ -231,7 +229,7 @@ def _root(path: Path, text: bytes) -> ET.Element:
 def _over(
     path: Path, curve: str, instance: ET.Element, axes: dict[str, Numbers], count: int
 ) -> tuple[Numbers, ...]:
-    """The axes of a curve or map, its own or those that it names, the slowest first."""
+    """Return the axes of a curve or map, the slowest first: its own, or shared ones by label."""
     over, conts = list[Numbers](), instance.findall("SW-AXIS-CONTS/SW-AXIS-CONT")  # X first
     if len(conts) != count:
         raise ExchangeError(f"has {len(conts)} of {count} axes", where=f"{path}: {curve}")

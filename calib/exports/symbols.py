@@ -1,4 +1,4 @@
-"""Labels of objects, and their places in the memory of an ECU."""
+"""Labels of exported objects, and places of objects in the memory of an ECU."""
 
 import re
 import unicodedata
@@ -9,7 +9,7 @@ from calib.base.digest import sha256
 
 LONGEST, LONGEST_PREFIX = 31, 16
 """Characters of a label (significant in every C99 compiler), and of its first part."""
-_MARK = 4  # digits of the digest behind a shortened name
+_MARK = 4  # digits of the name's digest at the end of a label that was shortened
 _NONE_GIVEN = (
     "all addresses are 0 and little endian is assumed: `tables export --elf FILE` takes them from "
     "the linked program"
@@ -17,7 +17,7 @@ _NONE_GIVEN = (
 
 
 def prefix(name: str) -> str:
-    """Label of a table's name, at most 16 characters.
+    """Return the first part of the labels of a table by its name, at most 16 characters.
 
     >>> prefix("sedan-2up"), prefix("2up"), prefix("Müller")
     ('sedan_2up', 't_2up', 'Muller_a784')
@@ -31,7 +31,7 @@ def prefix(name: str) -> str:
 
 
 def label(*parts: str) -> str:
-    """Label of one object, at most 31 characters: an identifier of every format and C compiler."""
+    """Return the label of an object: an identifier in C and in every format, of 31 characters."""
     whole = "_".join(parts)
     return whole if len(whole) <= LONGEST else _marked(whole, whole, LONGEST)
 
@@ -42,7 +42,7 @@ def _marked(word: str, name: str, longest: int) -> str:
 
 
 class Within(NamedTuple):
-    """A place in the object of a ``symbol``: its member in C, and its offset [bytes]."""
+    """A place in an object of the memory: the ``symbol``, the member in C, its offset [bytes]."""
 
     symbol: str
     member: str = ""
@@ -50,12 +50,12 @@ class Within(NamedTuple):
 
     @property
     def link(self) -> str:
-        """As debug information has it."""
+        """The place as debug information names it."""
         return f"{self.symbol}.{self.member}" if self.member else self.symbol
 
 
 class Measured(NamedTuple):
-    """A variable in the memory; ``kind`` its type in A2L, ``low`` and ``high`` its range [unit]."""
+    """A variable in the memory, of a ``kind`` of A2L; its range is ``low`` to ``high`` [unit]."""
 
     label: str
     meaning: str
@@ -68,9 +68,9 @@ class Measured(NamedTuple):
 
 @dataclass(frozen=True)
 class Addresses:
-    """Address of each object by label, and the byte order; ``remarks`` on what was assumed.
+    """Addresses of objects by label; ``remarks`` say what was assumed.
 
-    ``segment`` first address and size of what holds the data [bytes].
+    ``segment``: first address and size of the memory that holds the data [bytes].
     """
 
     by_label: dict[str, int] = field(default_factory=dict)

@@ -1,16 +1,16 @@
-"""A data set as the bytes of each format: JSON and CSV here, the others from templates.
+"""Write a data set in each format: JSON and CSV by functions, the others by templates.
 
-    json csv  for programs that know no calibration; a missing value is an empty cell
-    dcm       conservation format 2.0 of ETAS, with German keywords; range, digest and number of
-              objects, which shows a file that was cut off, are comments
+    json csv  for programs without calibration formats; a missing value is an empty cell
+    dcm       conservation format 2.0 of ETAS, with German keywords. Range, digest and the number of
+              objects are comments; the number shows a file that was cut off.
     cdfx      CDF 2.0 of ASAM: XML with one SW-INSTANCE per object, elements in the standard's order
     c-header  constants in C99 by MISRA C:2012: declared for every file (8.4, 8.11), defined only
               where <NAME>_DEFINE is defined before it (8.6)
-    a2l       ASAM MCD-2 MC 1.7.1: what the objects of the C header or of the code are, where, and
-              how to read them; without values and interface, to be merged into the A2L of the ECU
+    a2l       ASAM MCD-2 MC 1.7.1: types and addresses of the objects of the C header or of the
+              code, without values and interface, to be merged into the A2L of the ECU
 
-A map of three axes is a CUBOID; DCM knows two, and has one map for each value of the third. Every
-number is written so that it reads back to the last bit.
+A map of three axes is a CUBOID. DCM has maps of two axes, so it has one for each value of the
+third axis. Every number is written so that it reads back to the last bit.
 """
 
 import csv
@@ -37,23 +37,22 @@ from calib.exports.build import UNIT
 from calib.exports.dataset import MOST_AXES, Axis, Dataset, Grid, Object, Scalar
 from calib.exports.symbols import label
 
-_FUNCTION = "brake_torque"  # to which the objects belong
-_BARE = "-"  # unit of a bare number in CSV: readers that guess types would take 1 for an integer
+_FUNCTION = "brake_torque"  # function of the ECU to which the objects belong
+_NO_UNIT = "-"  # unit [1] in CSV: a reader that guesses types would take 1 for an integer
 
 COLUMNS = (
     "label", "axis", "x", "value", "unit", "lower", "upper", "count", "flag", "meaning",
 )  # fmt: skip
-"""``value`` [unit] of ``label`` at ``x`` on ``axis``; ``lower``, ``upper`` 95 % band; None where
-there is none."""
+"""Columns of CSV: ``value`` [unit] of ``label`` at ``x`` on ``axis``, with its 95 % bounds."""
 
-_MORE_AXES = ("axis_2", "x_2", "axis_3", "x_3")  # behind the `COLUMNS` where there are maps
+_MORE_AXES = ("axis_2", "x_2", "axis_3", "x_3")  # further columns of a data set with maps
 
-_BOM = b"\xef\xbb\xbf"  # mark of UTF-8, which A2L demands where a file is not ASCII
+_BOM = b"\xef\xbb\xbf"  # mark of UTF-8, which a file of A2L needs if it is not ASCII
 _LONGEST_TEXT = 255  # characters of a text of A2L
-_A2L_TYPES = {8: "SBYTE", 16: "SWORD", 32: "SLONG"}  # by width of the fixed point
-_DIGITS = 7  # significant ones that a tool shows of the largest number of an object in double
+_A2L_TYPES = {8: "SBYTE", 16: "SWORD", 32: "SLONG"}  # by width of the fixed point [bit]
+_DIGITS = 7  # significant digits of the largest number of an object that a tool shows
 _MOST_DECIMALS = 15
-MOST = 1e30  # of a number without limits, in any floating point [its unit]
+MOST = 1e30  # limit of a number without limits, which every floating point holds [its unit]
 
 
 def _write_json(data: Dataset) -> bytes:
@@ -86,7 +85,7 @@ def _write_json(data: Dataset) -> bytes:
 
 
 def _map(grid: Grid) -> dict[str, Any]:
-    """A map with its bounds, nested as its axes are."""
+    """Return a map with its bounds for JSON, nested as its axes are."""
     head = {"label": grid.label, "axes": [axis.label for axis in grid.axes]}
     values = {"values": grid.values} | _bounds(grid)
     nested = {name: x.reshape(grid.shape) for name, x in values.items()}
@@ -94,11 +93,12 @@ def _map(grid: Grid) -> dict[str, Any]:
 
 
 def _bounds(grid: Grid) -> dict[str, Array]:
+    """Return the bounds of a grid by the keys of JSON, if it has any."""
     return dict(zip(("lower", "upper"), grid.bounds or (), strict=False))
 
 
 def _rows(data: Dataset) -> Iterator[tuple[str | float | None, ...]]:
-    """Cells of all columns; the bounds of a map stand beside its medians."""
+    """Return the rows of CSV; the bounds of a map stand beside its medians."""
     for grid in (*data.curves, *data.maps):
         if not grid.is_bound:
             yield from _cells(grid)
@@ -109,6 +109,7 @@ def _rows(data: Dataset) -> Iterator[tuple[str | float | None, ...]]:
 
 
 def _cells(grid: Grid) -> Iterator[tuple[str | float | None, ...]]:
+    """Return the rows of a curve or map, one for each of its values."""
     places = product(*([(axis.label, x) for x in axis.numbers] for axis in grid.axes))
     none = np.full(grid.values.size, None)
     columns = (grid.values, *(grid.bounds or (none, none)), grid.count, grid.flag)
@@ -121,35 +122,35 @@ def _cells(grid: Grid) -> Iterator[tuple[str | float | None, ...]]:
 
 def _write_csv(data: Dataset) -> bytes:
     text = io.StringIO()
-    # a spreadsheet splits at commas, and takes what follows for a formula
+    # a spreadsheet would split a comment at its commas, and take a part of it for a formula
     facts = ((key, printable(fact).replace(",", ";")) for key, fact in data.facts().items())
     text.writelines(f"# {key}: {fact}\n" for key, fact in facts)
     table = csv.writer(text, lineterminator="\n")
     columns = COLUMNS + (_MORE_AXES if data.maps else ())
     for row in (columns, *_rows(data)):
-        table.writerow(_BARE if cell == UNIT else cell for cell in row[: len(columns)])
+        table.writerow(_NO_UNIT if cell == UNIT else cell for cell in row[: len(columns)])
     return text.getvalue().encode()
 
 
 def printable(text: str) -> str:
-    """``text`` on one line, without control characters."""
+    """Return a text on one line, without control characters."""
     return "".join(c if c.isprintable() else " " for c in text)
 
 
 def _quoted(text: str) -> str:
-    """A quoted text of DCM, which has no escapes."""
+    """Return a quoted text of DCM, which has no escapes."""
     plain = printable(text).replace('"', "'").replace("\\", "/")
     return f'"{plain}"'
 
 
 def _commented(text: str) -> str:
-    """``text`` on one line without marks of a comment, which simple readers see in texts, too."""
+    """Return a text on one line without marks of comments, which simple readers see in texts."""
     plain = printable(text).replace("\\", "/")
     return re.sub(r"/(?=[/*])|\*(?=/)", r"\g<0> ", plain)
 
 
 def _short(text: str) -> str:
-    """A quoted text of A2L. Raises ExchangeError where the standard has no room for it."""
+    """Return a quoted text of A2L. Raises ExchangeError if it is longer than A2L allows."""
     plain = _commented(text).replace('"', "'")
     if len(plain) > _LONGEST_TEXT:
         flaw = f"{plain[:24]}... has {len(plain)} characters"
@@ -159,13 +160,13 @@ def _short(text: str) -> str:
 
 
 def as_comment(text: str) -> str:
-    """``text`` for a comment of C: without a begin or end of a comment and without trigraphs."""
+    """Return a text for a comment of C, without marks of comments and without trigraphs."""
     plain = "".join(c if " " <= c <= "~" and c not in "?\\" else "_" for c in text)
     return plain.replace("*/", "* /").replace("/*", "/ *").replace("//", "/ /")
 
 
 def _origin_of(constant: Object) -> str:
-    """How an object came about, for its history in CDF."""
+    """Return how an object was made, for its history in CDF."""
     if isinstance(constant, Scalar):
         sigma = constant.sigma
         return "fitted" + ("" if sigma is None else f"; one standard deviation {sigma!r}")
@@ -174,7 +175,7 @@ def _origin_of(constant: Object) -> str:
 
 
 def _type_limits(constant: Object) -> tuple[float, float]:
-    """Range of the type in C [unit]."""
+    """Return the range of the type in C [unit]."""
     if constant.fixed is None:
         return -sys.float_info.max, sys.float_info.max
     half = constant.fixed.step * 2.0 ** (constant.fixed.bits - 1)
@@ -182,7 +183,7 @@ def _type_limits(constant: Object) -> tuple[float, float]:
 
 
 def _band(constant: Object) -> Array:
-    """The 95 % band of a number; of a curve its values and bounds."""
+    """Return the 95 % bounds of a number; the values and the bounds of a curve."""
     if isinstance(constant, Scalar):
         return constant.values + Z95 * (constant.sigma or 0.0) * np.array([-1.0, 1.0])
     ends = constant.bounds if isinstance(constant, Grid) and constant.count is not None else None
@@ -190,7 +191,10 @@ def _band(constant: Object) -> Array:
 
 
 def _limits(constant: Object) -> tuple[float, float]:
-    """Range of the numbers and their 95 % band, within that of the type [unit]; none in code."""
+    """Return the range of the numbers with their 95 % bounds, within that of the type [unit].
+
+    A member of a larger object, as code has it, is without limits.
+    """
     if constant.within is not None:
         return -MOST, MOST
     values = constant.values if constant.fixed is None else constant.fixed.values
@@ -201,7 +205,7 @@ def _limits(constant: Object) -> tuple[float, float]:
 
 
 def _display_format(constant: Object) -> str:
-    """Format of A2L: the sign, the digits before the point, and decimals that show one step."""
+    """Return the format of A2L: sign, digits before the point, and decimals that show a step."""
     largest = float(np.abs(constant.values).max())
     finest = largest * 10.0**-_DIGITS if constant.fixed is None else constant.fixed.step
     decimals = math.ceil(-math.log10(finest)) if finest > 0.0 else 1
@@ -210,7 +214,7 @@ def _display_format(constant: Object) -> str:
 
 
 def _c_numbers(constant: Object, single: bool) -> Any:
-    """The numbers of a constant as C has them, those of a map nested as its axes are."""
+    """Return the numbers of an object in C, those of a map nested as its axes are."""
     if constant.fixed is None:
         numbers = constant.values.astype(np.float32 if single else np.float64)
         texts = [f"{x!s}{'F' * single}" for x in numbers]
@@ -221,13 +225,13 @@ def _c_numbers(constant: Object, single: bool) -> Any:
 
 
 def _c_string(text: str) -> str:
-    """A string constant: octal of three digits for each byte that is not plain."""
-    plain = string.ascii_letters + string.digits + "@-_. "
-    return "".join(c if c in plain else f"\\{b:03o}" for b in text.encode() for c in [chr(b)])
+    """Return a string constant of C, with an octal escape for each byte that is not plain."""
+    plain = (string.ascii_letters + string.digits + "@-_. ").encode()
+    return "".join(chr(byte) if byte in plain else f"\\{byte:03o}" for byte in text.encode())
 
 
 def _filled(name: str, text: Callable[[str], str], data: Dataset) -> bytes:
-    """The template of a format; ``text`` makes a text fit for it."""
+    """Return a file made from the template of a format; ``text`` quotes or escapes its texts."""
     c_float, a2l_float = ("float", "FLOAT32") if data.single else ("double", "FLOAT64")
     environment = templates("calib.exports", markup=False)
     environment.filters |= {
@@ -261,10 +265,10 @@ def _write_a2l(data: Dataset) -> bytes:
 
 @dataclass(frozen=True)
 class _Format:
-    """``ending`` of the file name; ``write`` makes the whole file.
+    """A format of files with an ``ending``; ``write`` makes the file of a data set.
 
-    ``fixed``: can be in fixed point and in single precision; ``addressed``: holds addresses of the
-    ECU's memory; ``most_axes`` of a map in it.
+    ``fixed``: whether it can be in fixed point and in single precision. ``addressed``: whether it
+    holds addresses of the ECU's memory. ``most_axes``: number of axes that a map in it can have.
     """
 
     ending: str
@@ -282,4 +286,4 @@ FORMATS = {
     "a2l": _Format("a2l", _write_a2l, fixed=True, addressed=True),
     "c-header": _Format("h", partial(_filled, "h", as_comment), fixed=True),
 }
-"""A new one is a template and a line here."""
+"""Formats by name. A new format is a template and a line of this table."""
