@@ -1,4 +1,4 @@
-"""The code of an ECU on a Cortex-M4F: flash, RAM, instructions; its distance from Python; MISRA.
+"""Measure the code of an ECU: flash, RAM, instructions on a Cortex-M4F, error to Python, MISRA.
 
     python tests/studies/ecu_target.py
 
@@ -34,7 +34,7 @@ FOLDERS = {
     "sedan-sim": "simulation_study",
     "escort": "third_party",
 }
-"""The table of each folder of sample logs."""
+"""Folder of sample logs by the table that was made of them."""
 WIDTHS = {
     "float32, all rows": Precision(single=True),
     "float32, 12 points, 16 bits": Precision(12, 16),
@@ -49,17 +49,17 @@ ARGUED = {
     "21.15": "the same, copied; and the bits of a number, for the sum",
     "20.10": "one `##`, which names a function of math.h for the floating point: sqrt or sqrtf",
 }
-"""Why the remarks of a rule of MISRA C:2012 stay."""
+"""Reasons to keep remarks, by rule of MISRA C:2012."""
 ON_TARGET = ("ramp_wet_asphalt", "dry_asphalt_stop", "transition_dry_to_basalt")
 
 
 def version(name: str) -> Stored:
-    """A table of the repository's store."""
+    """Return a table of the repository's store."""
     return Store(ROOT / "tables").load(name)
 
 
 def costs() -> None:
-    """Print what runs on the Cortex-M4F took."""
+    """Print flash, RAM and instructions of runs on the Cortex-M4F."""
     print("| numbers | samples | flash bte.c | flash of the data | state | stack | mean | worst |")
     print("|---|---|---|---|---|---|---|---|")
     stored = version("sedan-2up")
@@ -78,7 +78,7 @@ def costs() -> None:
 
 
 def from_python() -> None:
-    """Print how far the code is from Python, over all samples of all sample logs."""
+    """Print the largest relative errors of the code to Python, for each sample log."""
     print("\n| log | double | float32 | reasons that differ | samples |")
     print("|---|---|---|---|---|")
     for name, folder in FOLDERS.items():
@@ -99,13 +99,13 @@ def from_python() -> None:
 
 
 def remarks(code: Path) -> Counter[str]:
-    """Remarks of cppcheck's addon misra about bte.c, by rule."""
+    """Count the remarks of cppcheck's addon misra about bte.c, by rule."""
     told = called(code, "cppcheck --addon=misra --std=c99 --quiet bte.c")
     return Counter(re.findall(r"\[misra-c2012-([\d.]+)\]", told))
 
 
 def argued() -> bool:
-    """Print the remarks by rule; whether each rule has an argument."""
+    """Print the remarks by rule; return whether each rule has a reason to stay."""
     with TemporaryDirectory() as name:
         how = WIDTHS["float32, all rows"]
         write_code(version("sedan-2up"), Path(name, "code"), "ecu", how, 0.005)

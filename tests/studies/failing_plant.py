@@ -1,8 +1,8 @@
-"""A third plant, for faults: many runs at once in steps of a millisecond, with ABS of two kinds.
+"""Drive cars of a third plant, many at once, with ABS of two kinds; for studies of faults.
 
-It shares nothing with `calib` but the record of the vehicle. Cars are drawn at random; each wheel
-spins (semi-implicit Euler), tyres follow the Magic Formula, the load follows the body with a lag.
-Faults of sensors are put into the logs afterwards. All is SI.
+The plant shares nothing with `calib` but the record of the vehicle. Cars are drawn at random. Each
+wheel spins (semi-implicit Euler, steps of 1 ms), tyres follow the Magic Formula, and the load of
+the axles follows the deceleration with a lag. A study puts faults into the logs afterwards. SI.
 """
 
 from dataclasses import dataclass, field, replace
@@ -16,12 +16,12 @@ from calib.model.sensor_noise import add_noise
 from tests.support.reference_car import CAR
 
 G, AIR, STEP, EVERY = 9.80665, 1.2, 1e-3, 5
-PATTERN, SLIP = 1, 2  # kinds of ABS
+PATTERN, SLIP = 1, 2  # kinds of ABS: a periodic pressure, and a threshold of the slip
 
 
 @dataclass(frozen=True)
 class Plant:
-    """A car as it is; ``vehicle`` is what the program is told."""
+    """A car as it is; ``vehicle`` is the record that the program gets."""
 
     vehicle: Vehicle
     stiffness: float
@@ -37,7 +37,7 @@ class Plant:
 
 @dataclass
 class Scene:
-    """What happens in a run: functions of the time (t,)."""
+    """The course of a run: signals over time (t,), where None stands for a constant."""
 
     plant: Plant
     v0: float
@@ -56,7 +56,7 @@ class Scene:
 
 
 def drawn(seed: int) -> Plant:
-    """A car of any size."""
+    """Return a car of a random size."""
     r = np.random.default_rng(seed)
     mass, base = r.uniform(1000, 2600), r.uniform(2.4, 3.1)
     front = base * r.uniform(0.40, 0.52)  # cg to front axle
@@ -86,7 +86,7 @@ def drawn(seed: int) -> Plant:
 
 
 def run(scenes: list[Scene], seed: int = 0) -> list[Log]:
-    """Drive all scenes at once; logs with noise at 200 Hz, and the truth."""
+    """Drive all scenes at once; return logs at 200 Hz with noise, and with the truth."""
     n, steps = len(scenes), min(s.pressure.size for s in scenes)
     ps = [s.plant for s in scenes]
 

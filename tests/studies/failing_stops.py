@@ -1,13 +1,14 @@
-"""How often an ECU calls an answer VALID that is wrong, and how often it takes a clean one for a
-fault: stops of the cars of `failing_plant`, clean and with oddities, under ABS, with sensors that
-fail in the middle.
+"""Measure how often an answer of an ECU is VALID and wrong, and how often a clean stop is refused.
 
     python tests/studies/failing_stops.py --first 300 --cars 6
 
-Three stops in a drive of 17 s. Wrong: VALID, and the pads of an axle more than 4 % outside the
-bounds, while it brakes, from 0.5 s after the fault on; of sensors that fail, where the same drive
-without the fault is not wrong, too. Afterwards: from 2 s after the end of a fault on, or in the
-stops that begin after it; VALID of the samples that are so without the fault.
+The drives are those of cars of `failing_plant`: clean, with oddities, with ABS, and with sensors
+that fail in the middle. A drive has three stops in 17 s.
+
+A sample is wrong if its answer is VALID and the pads of an axle are more than 4 % outside the
+bounds, while the car brakes, from 0.5 s after the fault on. Where a sensor fails, samples that are
+wrong without the fault do not count. "Afterwards" is from 2 s after the end of a fault on, or the
+stops that begin after it; its VALID is a share of the samples that are VALID without the fault.
 """
 
 import sys
@@ -53,7 +54,7 @@ FACTORS = (1.0 / 3.6, 0.8, 1.25, 3.6, 0.9, 1.1)  # of wheel speeds in another un
 
 
 class Drive(NamedTuple):
-    """A log with the time of its fault [s]; a kind has ``groups`` of rows in the result."""
+    """A log with the begin and the end of its fault [s]; a ``group`` is a row of its ``kind``."""
 
     kind: str
     group: str
@@ -71,12 +72,12 @@ class Clean(NamedTuple):
 
 
 def rise(begin: float, end: float) -> Array:
-    """From 0 to 1 between two times (t,)."""
+    """Return a ramp from 0 to 1 between two times (t,)."""
     return np.clip((TIME - begin) / (end - begin), 0.0, 1.0)
 
 
 def pedal(r: np.random.Generator, scale: float = 1.0) -> Array:
-    """Pressure of three stops (t,) [Pa]: held, pumped, pressed again or eased."""
+    """Return the pressure of three stops (t,) [Pa]: held, pumped, pressed again or eased."""
     pressure = np.zeros_like(TIME)
     for begin, end in STOPS:
         level, ramp = r.uniform(22e5, 40e5) * scale, r.uniform(0.15, 0.5)
@@ -93,7 +94,7 @@ def pedal(r: np.random.Generator, scale: float = 1.0) -> Array:
 
 
 def clean(car: Plant, r: np.random.Generator, kinds: list[str]) -> Scene:
-    """Stops without a fault of a sensor, with oddities of road, pads and motor."""
+    """Return three stops without a fault of a sensor, with oddities of road, pads and motor."""
     s = Scene(car, V0, pedal(r), name=" + ".join(kinds) or "nothing odd")
     s.pads, s.road, s.grade = np.ones((TIME.size, 2)), np.ones((TIME.size, 2)), np.zeros(TIME.size)
     times = r.uniform(3.6, 5.2), r.uniform(9.1, 10.4)
@@ -136,7 +137,7 @@ def clean(car: Plant, r: np.random.Generator, kinds: list[str]) -> Scene:
 
 
 def scenes(car: Plant, r: np.random.Generator) -> Iterator[tuple[str, Scene]]:
-    """Drives of a car without a fault of its sensors: their kind, and what happens."""
+    """Return the drives of a car without a fault of its sensors, each with its kind."""
     for kinds in ([], *([x] for x in ODDITIES)):
         yield "clean", clean(car, r, kinds)
     for _ in range(4):
@@ -156,7 +157,7 @@ def scenes(car: Plant, r: np.random.Generator) -> Iterator[tuple[str, Scene]]:
 
 
 def faulty(log: Log, r: np.random.Generator) -> Iterator[tuple[str, str, Log, float, float]]:
-    """A log with sensors that fail: kind, group, log, and when [s]."""
+    """Return a log with sensors that fail: kind, group, log, begin and end of the fault [s]."""
     t = log.time
 
     def with_channels(begin: float, end: float, **new: Array) -> tuple[Log, float, float]:
@@ -191,7 +192,7 @@ def faulty(log: Log, r: np.random.Generator) -> Iterator[tuple[str, str, Log, fl
 
 
 def drives(cars: list[Plant], seed: int) -> list[Drive]:
-    """All drives of all cars."""
+    """Return all drives of all cars."""
     r = np.random.default_rng(seed)
     made = [(i, kind, s) for i, car in enumerate(cars) for kind, s in scenes(car, r)]
     logs = run([s for _, _, s in made], seed + 1)
@@ -208,13 +209,13 @@ def drives(cars: list[Plant], seed: int) -> list[Drive]:
 
 
 def smoothed(x: Array, time: float, step: float) -> Array:
-    """A signal (n,) behind a lag of first order [s]."""
+    """Return a signal (n,) behind a lag of first order with a ``time`` constant [s]."""
     share = 1.0 - np.exp(-step / time)
     return lfilter([share], [1.0, share - 1.0], x, zi=[x[0] * (1.0 - share)])[0]
 
 
 def frictions(drive: Drive, car: Plant) -> Iterator[Array]:
-    """True friction of front and of rear pads (n,) at the pressure of the master cylinder."""
+    """Return the true friction of front and of rear pads (n,), by p_mc behind the line's lags."""
     log, dt = drive.log, drive.log.sample_time
     line = smoothed(smoothed(np.maximum(log["p_mc"], 0.0), 0.02, dt), 0.15, dt) + 1e4
     for x, axle in (("f", car.vehicle.front), ("r", car.vehicle.rear)):
@@ -222,14 +223,14 @@ def frictions(drive: Drive, car: Plant) -> Iterator[Array]:
 
 
 def is_out(answer: Bounded, true: Array) -> Mask:
-    """Where the truth is outside the bounds (n,)."""
+    """Return where the truth is outside the bounds by more than `MARGIN` (n,)."""
     low, high = answer.lower * (1.0 - MARGIN), answer.upper * (1.0 + MARGIN)
     return (true < low) | (true > high)
 
 
 def score(drive: Drive, car: Plant, table: Table, clean: Clean | None) -> tuple[Array, Clean]:
-    """Counts of samples: braked, wrong, VALID, IMPLAUSIBLE; afterwards braked, wrong, VALID without
-    the fault, and with it. ``clean`` is the drive without the fault, None for one of its own."""
+    """Count samples: braked, wrong, VALID, IMPLAUSIBLE; afterwards braked, wrong, VALID without the
+    fault, and VALID with it. ``clean``: the drive without the fault, None if there is none."""
     log, answer = drive.log, online(table, car.vehicle, drive.log)
     front, rear = frictions(drive, car)
     valid, taken = answer.valid, answer.step.reason == Reason.IMPLAUSIBLE

@@ -27,9 +27,12 @@ QUANTITIES = ("level", "ratio", "front", "rear", "torque")
 
 @dataclass(frozen=True)
 class Truth:
-    """What the brakes of a stop did, (n,) each: ``counted`` samples; the ``quantities`` by name,
-    that is torque over that of nominal pads, pad friction front over rear, of each axle [1], torque
-    of all four brakes [N m]; ``braking`` what it decelerates the car by [g]."""
+    """The true brakes of a stop, (n,) each.
+
+    ``counted`` samples; ``quantities`` by name: torque over that of nominal pads, ratio of the pad
+    frictions, friction of each axle [1], torque of all four brakes [N m]; ``braking``: deceleration
+    by the brakes [g].
+    """
 
     time: Array
     counted: np.ndarray
@@ -38,8 +41,8 @@ class Truth:
 
     @classmethod
     def of(cls, log: Log, car: Vehicle) -> "Truth":
-        """From ``true_Tb_*`` and ``true_mu_pad_*``; these, if they are not there, from the torque
-        over the pressure as logged."""
+        """Read ``true_Tb_*`` and ``true_mu_pad_*``; a log without the latter has them by torque
+        over pressure."""
         p = log["p_mc"]
         bitten = log.time[np.argmax(p > BITE)]
         speed = log["v"] if "v" in log else car.rear.rolling_radius * log["omega_rl"]
@@ -65,14 +68,14 @@ class Truth:
 
 
 def level(car: Vehicle, front: Array, rear: Array) -> Array:
-    """Torque of pads (n,) over that of nominal pads at the same pressure [1]."""
+    """Return the torque of pads (n,) over that of nominal pads at the same pressure [1]."""
     gain_f, gain_r = car.front.torque_gain, car.rear.torque_gain
     nominal = gain_f * car.front.pad_friction + gain_r * car.rear.pad_friction
     return (gain_f * front + gain_r * rear) / nominal
 
 
 def answer(frame: pd.DataFrame, prefix: str, car: Vehicle) -> dict[str, tuple[Array, Array, Array]]:
-    """Value and 95 % bounds of each of `QUANTITIES`, (n,) each; bounds without a column are NaN.
+    """Return value and 95 % bounds of each of `QUANTITIES`, (n,); bounds without column are NaN.
 
     ``frame`` is that of an estimate, ``prefix`` of its columns "" or "ecu_".
     """
@@ -100,8 +103,10 @@ def answer(frame: pd.DataFrame, prefix: str, car: Vehicle) -> dict[str, tuple[Ar
 
 
 def estimators(columns: Iterable[str]) -> dict[str, str]:
-    """Prefixes of the estimators that the columns of an estimate are of, by the estimators' names:
-    ``today`` before there was a ``pad_level``, ``best`` since, ``ecu`` where there is one."""
+    """Return the prefixes of an estimate's columns by the names of its estimators.
+
+    ``best`` has a ``pad_level``, ``today`` is an older one without, ``ecu`` that of an ECU.
+    """
     prefixes = {"best" if "pad_level" in columns else "today": "", "ecu": "ecu_"}
     return {name: x for name, x in prefixes.items() if f"{x}pad_friction_f" in columns}
 
@@ -109,7 +114,7 @@ def estimators(columns: Iterable[str]) -> dict[str, str]:
 def scored(
     frame: pd.DataFrame, prefix: str, car: Vehicle, truth: Truth
 ) -> Iterator[dict[str, float | str]]:
-    """Figures of one estimator on one stop: of all counted samples, then by deceleration."""
+    """Return figures of an estimator on a stop: of all counted samples, then by deceleration."""
     answers = answer(frame, prefix, car)
     valid = np.asarray(frame[f"{prefix}valid"], dtype=bool)
     every = {"all": (0.0, np.inf), **DECELERATIONS}
@@ -122,9 +127,12 @@ def scored(
 def figures(
     answers: dict[str, tuple[Array, Array, Array]], valid: Array, truth: Truth, counted: Array
 ) -> dict[str, float]:
-    """Of the ``counted`` samples (n,): shares answered and valid; for each of `QUANTITIES` the mean
-    square of the relative error, its mean, the half width over the value and the share that the
-    bounds hold, also of the valid samples [1]. NaN where nothing is known."""
+    """Return figures of the ``counted`` samples (n,).
+
+    They are the shares answered and valid; for each of `QUANTITIES` the mean square and the mean of
+    the relative error, the half width over the value, and the share of all and of valid samples
+    whose bounds hold the truth [1]. A figure without samples is NaN.
+    """
     values = np.array([value for name in ("front", "rear") for value in answers[name]])
     told = counted & np.isfinite(values).all(axis=0) & np.isfinite(answers["torque"][0])
     out = {
@@ -147,5 +155,5 @@ def figures(
 
 
 def mean(values: Array) -> float:
-    """NaN of nothing, without a warning."""
+    """Return the mean; NaN without values, and without a warning."""
     return float(np.mean(values)) if values.size else np.nan

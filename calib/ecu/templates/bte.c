@@ -1,5 +1,7 @@
-/* The estimator of brake-cal, see bte.h. What takes in a block is written from equations.py of
- * calib/estimation; the rest follows step.py, readout.py, known.py, reasons.py and online.py there.
+/* The estimator of brake-cal, see bte.h: mathematics, maps, the equations of a block, its answers,
+ * checksums, samples, and at the end the functions of bte.h. The equations are translated from
+ * equations.py of calib/estimation; the other functions follow step.py, readout.py, known.py,
+ * reasons.py and online.py there.
  */
 #include "bte.h"
 
@@ -8,12 +10,12 @@
 
 #define R(x) ((bte_real)(x))
 #define MATH(name) {{ "name##f" if floating == 32 else "name" }}
-enum { TERMS = {{ terms }}, LARGEST = {{ largest }} }; /* of the series; of what exp gives a number for */
+enum { TERMS = {{ terms }}, LARGEST = {{ largest }} }; /* of exp and ln; of exp */
 
 static const bte_real GRAVITY = R(9.80665), Z95 = R(1.96), LN2_HIGH = R(0.693145751953125),
                       LN2_LOW = R(1.42860682030941723e-6);
 
-/* Written out at every place they would be a tenth of the code. */
+/* Functions that are not inlined: inlined they would add a tenth to the code. */
 #ifdef __GNUC__
 #define CALLED __attribute__((noinline))
 #else
@@ -21,10 +23,10 @@ static const bte_real GRAVITY = R(9.80665), Z95 = R(1.96), LN2_HIGH = R(0.693145
 #endif
 CALLED static bte_real largest(bte_real a, bte_real b) { return a > b ? a : b; }
 CALLED static bte_real smallest(bte_real a, bte_real b) { return a < b ? a : b; }
-CALLED static bte_real clip(bte_real x, bte_real a, bte_real b) { return smallest(largest(x, a), b); }
+static bte_real clip(bte_real x, bte_real a, bte_real b) { return smallest(largest(x, a), b); }
 static bte_real square(bte_real x) { return x * x; }
 
-/* Own exp and ln, by their series: those of C libraries differ in the last digits. */
+/* exp(x) by its series, since C libraries differ in the last digits. */
 static bte_real exponential(bte_real x) {
     const bte_real clipped = clip(x, -R(LARGEST), R(LARGEST));
     const bte_real turns = clipped / (LN2_HIGH + LN2_LOW);
@@ -37,6 +39,7 @@ static bte_real exponential(bte_real x) {
     return MATH(ldexp)(sum, k);
 }
 
+/* ln(x) by the series of 2 artanh(f); it needs fewer terms than exp. */
 static bte_real logarithm(bte_real x) {
     int k = 0;
     bte_real m = MATH(frexp)(x, &k), sum = R(0.0);
@@ -45,16 +48,16 @@ static bte_real logarithm(bte_real x) {
         k = k - 1;
     }
     const bte_real f = (m - R(1.0)) / (m + R(1.0)), f2 = f * f;
-    for (int n = 2 * TERMS - 7; n > 0; n -= 2) { /* needs fewer */
+    for (int n = 2 * TERMS - 7; n > 0; n -= 2) {
         sum = R(1.0) / (bte_real)n + sum * f2;
     }
     return (bte_real)k * LN2_HIGH + ((bte_real)k * LN2_LOW + R(2.0) * f * sum);
 }
 
-/* Intervals inside are a median, its lower and its upper bound; in their order. */
+/* An interval inside this file: an array of a median, its lower and its upper bound. */
 enum { MEDIAN, LOWER, UPPER, ENDS };
 
-/* A median with its bounds `by` higher, these farther away by `more`, added as squares. */
+/* Move an interval up `by` a number, and add `more` to the distances of its bounds, as squares. */
 static void widen(bte_real x[], bte_real by, bte_real more_lower, bte_real more_upper) {
     const bte_real below = x[LOWER] - x[MEDIAN], above = x[UPPER] - x[MEDIAN];
     x[MEDIAN] += by;
@@ -62,13 +65,13 @@ static void widen(bte_real x[], bte_real by, bte_real more_lower, bte_real more_
     x[UPPER] = x[MEDIAN] + MATH(sqrt)(square(above) + square(more_upper));
 }
 
-/* The cell of an axis: its first point, and how far x is along it, from 0 to 1. */
+/* A place on an axis: the number of a cell, and the position in the cell from 0 to 1. */
 typedef struct {
     uint16_t cell;
     bte_real along;
 } place;
 
-/* The last point has `along` 1 in the last cell. */
+/* Find the cell of x by bisection; beyond the ends of the axis the nearest end counts. */
 static place find(const bte_axis *axis, bte_real x) {
     place at = {0, R(0.0)};
     uint16_t high = (uint16_t)(axis->count - 1U);
@@ -85,12 +88,12 @@ static place find(const bte_axis *axis, bte_real x) {
     return at;
 }
 
-/* The first columns of a map at a place. */
+/* Read the first columns of a map at a point, linear between its 2, 4 or 8 nearest cells. */
 static void look_up(const bte_map *map, const bte_real point[], unsigned columns, bte_real out[]) {
     unsigned corners = 1U, cell[8] = {0};
     bte_real weight[8];
     weight[0] = R(1.0);
-    for (unsigned a = 0; a < map->axes; a++) { /* parts what the axes before it have in two */
+    for (unsigned a = 0; a < map->axes; a++) { /* each axis doubles the number of corners */
         const place at = find(&map->axis[a], point[a]);
         for (unsigned i = 0; i < corners; i++) {
             cell[i] = cell[i] * map->axis[a].count + at.cell;
@@ -130,15 +133,15 @@ static void learn_zeros(bte_state *state, const bte_block *x, bool counts) {
     }
 }
 
-/* ln of the ratio with its bounds, wider by the errors of where the map is read. */
+/* Read ln of the ratio with its bounds, and widen them by the errors of the point. */
 static void read_ratio(const bte_car *car, const bte_real point[], const bte_real error[],
                        bte_real ratio[]) {
     const bte_axis *shifts = &car->pads.axis[BTE_SHIFT];
     const uint16_t cell = find(shifts, point[BTE_SHIFT]).cell;
-    const bte_real most[] = {R(0.0), shifts->x[cell + 1U] - shifts->x[cell], R(1.0)};
+    const bte_real largest_step[] = {R(0.0), shifts->x[cell + 1U] - shifts->x[cell], R(1.0)};
     look_up(&car->pads, point, BTE_COLUMNS, ratio);
     for (unsigned axis = BTE_SHIFT; axis < BTE_MAP_AXES; axis++) {
-        const bte_real step = smallest(error[axis], most[axis]);
+        const bte_real step = smallest(error[axis], largest_step[axis]);
         bte_real aside[] = {point[BTE_Z], point[BTE_SHIFT], point[BTE_SLIP]};
         bte_real low, high;
         aside[axis] = point[axis] - step;
@@ -150,20 +153,21 @@ static void read_ratio(const bte_car *car, const bte_real point[], const bte_rea
     }
 }
 
+/* Move an interval towards y by a share. */
 static void blend(bte_real x[], const bte_real y[], bte_real share) {
     for (unsigned k = 0; k < ENDS; k++) {
         x[k] = (R(1.0) - share) * x[k] + share * y[k];
     }
 }
 
-/* The held ratio, with bounds that grew by a variance. */
+/* Return the held ratio with bounds that a variance widens. */
 static void held_ratio(const bte_state *state, bte_real variance, bte_real ratio[]) {
     const bte_real more = Z95 * MATH(sqrt)(variance);
     (void)memcpy(ratio, state->ratio, sizeof state->ratio);
     widen(ratio, R(0.0), more, more);
 }
 
-/* The best informed ratio so far: that, or `ratio`. */
+/* Blend `ratio` into the held one by its information, and return the result in `ratio`. */
 static void best_ratio(bte_state *state, bte_real ratio[], bte_real level, bool is_new, bool adds) {
     BTE_CAL bte_numbers *c = state->car->numbers;
     bte_filters *s = &state->filters;
@@ -176,6 +180,7 @@ static void best_ratio(bte_state *state, bte_real ratio[], bte_real level, bool 
     held_ratio(state, reset_held(c, s, level, share), ratio);
 }
 
+/* y = by exp(ln). */
 static void scale(bte_interval *y, bte_real by, const bte_real ln[]) {
     bte_real *ends = (bte_real *)y;
     for (unsigned k = 0; k < ENDS; k++) {
@@ -183,13 +188,13 @@ static void scale(bte_interval *y, bte_real by, const bte_real ln[]) {
     }
 }
 
-/* Pads by ln of level and ratio; distances to their bounds add up as squares. */
+/* Answer level, ratio and friction of the pads by ln of level and ratio. */
 static void answer_pads(bte_state *s, const bte_real level[], const bte_real ratio[]) {
     BTE_CAL bte_numbers *c = s->car->numbers;
     bte_answers *y = &s->answers;
     const bte_real friction_f = c->pad_friction[BTE_FRONT], friction_r = c->pad_friction[BTE_REAR];
     bte_real front[ENDS], rear[ENDS], more_f[ENDS], more_r[ENDS];
-    for (unsigned k = 0; k < ENDS; k++) { /* over the pads of the level */
+    for (unsigned k = 0; k < ENDS; k++) { /* ln of the friction of an axle over the level */
         more_r[k] = -logarithm(c->share * exponential(ratio[k]) + (R(1.0) - c->share));
         more_f[k] = ratio[k] + more_r[k];
         front[k] = level[k];
@@ -203,13 +208,14 @@ static void answer_pads(bte_state *s, const bte_real level[], const bte_real rat
     scale(&y->pad_friction_r, friction_r, rear);
 }
 
+/* y = by x. */
 CALLED static void times(bte_interval *y, bte_real by, const bte_interval *x) {
     y->median = by * x->median;
     y->lower = by * x->lower;
     y->upper = by * x->upper;
 }
 
-/* Torques by the pads of the last block and the pressure of now. */
+/* Answer torques by the pads of the last block and the present pressure. */
 static void answer_torques(bte_state *s) {
     BTE_CAL bte_numbers *c = s->car->numbers;
     bte_answers *y = &s->answers;
@@ -222,35 +228,36 @@ static void answer_torques(bte_state *s) {
     times(&y->brake_torque_sum, sum / y->pad_level.median, &y->pad_level);
 }
 
-/* A sum with one more word of 32 bits, and with one more number: FNV-1a by such words. */
-static uint32_t with_word(uint32_t sum, uint64_t word) {
+/* Checksum FNV-1a by words of 32 bits: a sum with one more word, one more number, more numbers. */
+static uint32_t fnv_word(uint32_t sum, uint64_t word) {
     return (uint32_t)(((sum ^ (word & 0xFFFFFFFFU)) * 16777619U) & 0xFFFFFFFFU);
 }
 
-static uint32_t mixed(uint32_t sum, bte_real x) {
+static uint32_t fnv_real(uint32_t sum, bte_real x) {
     uint{{ floating }}_t bits;
     (void)memcpy(&bits, &x, sizeof bits);
     const uint64_t wide = bits;
-    return with_word(with_word(sum, wide), wide >> 32U);
+    return fnv_word(fnv_word(sum, wide), wide >> 32U);
 }
 
-static uint32_t of_reals(uint32_t sum, const volatile bte_real x[], uint32_t count) {
+static uint32_t fnv_reals(uint32_t sum, const volatile bte_real x[], uint32_t count) {
     uint32_t so_far = sum;
     for (uint32_t i = 0; i < count; i++) {
-        so_far = mixed(so_far, x[i]);
+        so_far = fnv_real(so_far, x[i]);
     }
     return so_far;
 }
 
-/* What lasts, the first LASTING numbers of the filters: two zeros and the lag of the brakes. */
+/* Numbers of the filters that outlast a reset: values and variances of both zeros and the lag. */
 enum { LASTING = 6 };
 
 CALLED static uint32_t seal_of(const bte_state *s) {
     const bte_real *lasting = (const bte_real *)&s->filters;
-    return of_reals(BTE_LAYOUT ^ (uint32_t)sizeof *s, lasting, LASTING);
+    return fnv_reals(BTE_LAYOUT ^ (uint32_t)sizeof *s, lasting, LASTING);
 }
 
-static void take(bte_state *state, const bte_block *x) {
+/* Take in a block, and answer its pads. */
+static void take_block(bte_state *state, const bte_block *x) {
     const bte_car *car = state->car;
     BTE_CAL bte_numbers *c = car->numbers;
     const bool usual = x->rim > c->moving && state->worst == BTE_VALID;
@@ -289,7 +296,7 @@ static void take(bte_state *state, const bte_block *x) {
     state->seal = seal_of(state);
 }
 
-/* Slip of an axle by its force and load, over the weight. */
+/* Slip of an axle by the tyre curve, by force and load over the weight of the car. */
 static bte_real slip_at(const bte_car *car, bte_real force, bte_real load) {
     const place at = find(&car->tyre, force / largest(load, R(0.1)));
     const bte_real low = car->tyre_slip[at.cell], high = car->tyre_slip[at.cell + 1U];
@@ -300,7 +307,7 @@ static bte_real slip_at(const bte_car *car, bte_real force, bte_real load) {
  * range, or one too far from the last reading in range. Their last good reading counts. */
 static uint32_t take_sample(bte_state *s, const bte_inputs *inputs) {
     BTE_CAL bte_numbers *c = s->car->numbers;
-    const bte_real *x = (const bte_real *)inputs; /* the same, by number */
+    const bte_real *x = (const bte_real *)inputs; /* the inputs by their number */
     bte_real *last = (bte_real *)&s->last;
     uint32_t failing = 0U;
     for (unsigned i = 0; i < (unsigned)BTE_INPUTS; i++) {
@@ -318,7 +325,7 @@ static uint32_t take_sample(bte_state *s, const bte_inputs *inputs) {
     return failing;
 }
 
-/* Count what fails, and how often it began to. */
+/* Count in how many calls each diagnosis fails, and how often it began to. */
 static void diagnose(bte_state *s, uint32_t failing) {
     const uint32_t begins = failing & ~s->diagnosis;
     for (unsigned i = 0; failing != 0U && i < (unsigned)BTE_DIAGNOSES; i++) {
@@ -328,7 +335,7 @@ static void diagnose(bte_state *s, uint32_t failing) {
     s->diagnosis = failing;
 }
 
-/* Whether the car is steered, corners, a wheel locks or ABS acts, or just has. */
+/* Return the reason that the signals alone show; `fine`: whether all sensors work. */
 static bte_reason disturbance(bte_state *s, bool fine) {
     BTE_CAL bte_numbers *c = s->car->numbers;
     const bte_inputs *x = &s->last;
@@ -350,7 +357,8 @@ static bte_reason disturbance(bte_state *s, bool fine) {
     const bte_real mean = R(0.5) * (x->omega_rl + x->omega_rr);
     const bte_real speed = c->rolling_radius[BTE_REAR] * mean, z = -x->a_x / GRAVITY;
     s->fastest = fastest;
-    const bool locks = fastest - slowest > c->lock * largest(fastest, R(1.0)) && fastest > c->turning;
+    const bte_real apart_by = c->lock * largest(fastest, R(1.0));
+    const bool locks = fastest - slowest > apart_by && fastest > c->turning;
     s->since_lock = locks ? R(0.0) : s->since_lock + c->sample_time;
     s->since_abs = x->abs_active > R(0.5) ? R(0.0) : s->since_abs + c->sample_time;
     const bte_real apart = (x->omega_rr - x->omega_rl) / largest(mean, R(1.0));
@@ -375,8 +383,8 @@ static bte_reason disturbance(bte_state *s, bool fine) {
     return why;
 }
 
-/* A block from the sums: the force balance (1), (5) to (7), drag and rolling resistance known.
- * Forces are over the weight. */
+/* Make a block from the sums, and take it in: the force balance (1), (5) to (7) of the paper, with
+ * known drag and rolling resistance. Forces are over the weight of the car. */
 static void block_ends(bte_state *s) {
     const bte_car *car = s->car;
     BTE_CAL bte_numbers *c = car->numbers;
@@ -392,7 +400,7 @@ static void block_ends(bte_state *s) {
     const bte_real speed = c->rolling_radius[BTE_REAR] * omega[BTE_REAR];
     const bte_real body = c->drag * square(speed);
     const bte_real rolling = c->rolling + c->rolling_growth * square(speed);
-    const bool is_stale = s->faulty || s->failed; /* nothing is known of spins */
+    const bool is_stale = s->faulty || s->failed; /* the wheels' accelerations are not known */
     bte_real demanded = z - body;
     for (unsigned a = 0; a < (unsigned)BTE_AXLES; a++) {
         bte_real spin = s->block_full ? (omega[a] - s->omega[a]) / c->block : R(0.0);
@@ -428,9 +436,10 @@ static void block_ends(bte_state *s) {
     block.rear_share = load[BTE_REAR];
     block.disturbed = (bte_real)s->worst;
     block.drive = driving;
-    take(s, &block);
+    take_block(s, &block);
 }
 
+/* Begin with the data of a car, without knowledge of its pads. */
 static void begin(bte_state *s, const bte_car *car) {
     BTE_CAL bte_numbers *c = car->numbers;
     const bte_real any[] = {R(0.0), logarithm(c->least_level), logarithm(c->most_level)};
@@ -445,14 +454,15 @@ static void begin(bte_state *s, const bte_car *car) {
     answer_pads(s, any, any);
 }
 
+/* Whether data fit this code and this compiler. */
 static bool is_taken(const bte_car *car) {
     return car->layout == BTE_LAYOUT && car->size == sizeof(bte_car) + sizeof(bte_numbers)
            && car->waiting - 1U < 3U;
 }
 
-/* Zeros of the sensors and the lag of the brakes last, where a state may take the data. */
-static bool begin_again(bte_state *s, const bte_car *car, bool may) {
-    const bool taken = may && is_taken(car);
+/* Begin with the data of a car, but keep the zeros and the lag, if that is allowed. */
+static bool begin_again(bte_state *s, const bte_car *car, bool allowed) {
+    const bool taken = allowed && is_taken(car);
     if (taken) {
         bte_real lasts[LASTING];
         (void)memcpy(lasts, &s->filters, sizeof lasts);
@@ -463,27 +473,28 @@ static bool begin_again(bte_state *s, const bte_car *car, bool may) {
     return taken;
 }
 
-static uint32_t of_map(uint32_t sum, const bte_map *map) {
+static uint32_t fnv_map(uint32_t sum, const bte_map *map) {
     uint32_t cells = 1U, so_far = sum;
     for (unsigned a = 0; a < map->axes; a++) {
         cells *= map->axis[a].count;
-        so_far = of_reals(so_far, map->axis[a].x, map->axis[a].count);
+        so_far = fnv_reals(so_far, map->axis[a].x, map->axis[a].count);
     }
     for (unsigned k = 0; k < map->columns; k++) {
-        so_far = mixed(so_far, map->step[k]);
+        so_far = fnv_real(so_far, map->step[k]);
         for (uint32_t i = 0; i < cells; i++) {
-            so_far = mixed(so_far, (bte_real)map->cells[k][i]);
+            so_far = fnv_real(so_far, (bte_real)map->cells[k][i]);
         }
     }
     return so_far;
 }
 
+/* Checksum of the data of a car, which car_data.py computes as well. */
 static uint32_t checksum(const bte_car *car) {
     BTE_CAL bte_real *numbers = (BTE_CAL bte_real *)car->numbers; /* all of one type */
-    uint32_t sum = of_reals(0U, numbers, (uint32_t)(sizeof *car->numbers / sizeof *numbers));
-    sum = of_map(of_map(sum, &car->pads), &car->slip);
-    sum = of_map(of_map(sum, &car->level), &car->prior);
-    return of_reals(of_reals(sum, car->tyre.x, car->tyre.count), car->tyre_slip, car->tyre.count);
+    uint32_t sum = fnv_reals(0U, numbers, (uint32_t)(sizeof *car->numbers / sizeof *numbers));
+    sum = fnv_map(fnv_map(sum, &car->pads), &car->slip);
+    sum = fnv_map(fnv_map(sum, &car->level), &car->prior);
+    return fnv_reals(fnv_reals(sum, car->tyre.x, car->tyre.count), car->tyre_slip, car->tyre.count);
 }
 
 bte_status bte_init(bte_state *s, const bte_car *car) {
@@ -509,6 +520,7 @@ bool bte_resume(bte_state *s, const bte_car *car) {
     return begin_again(s, car, s->layout == BTE_LAYOUT && s->seal == seal_of(s));
 }
 
+/* Take in a sample, and at the end of a block the block. */
 static bte_reason step(bte_state *s, const bte_inputs *x) {
     const uint32_t failing = take_sample(s, x);
     const bool fine = failing == 0U;

@@ -21,13 +21,13 @@
 extern "C" {
 #endif
 
-#define BTE_LAYOUT {{ layout }} /* of the structures below, by their text */
+#define BTE_LAYOUT {{ layout }} /* checksum of this file: of its structures */
 
 typedef {{ real }} bte_real;
 typedef {{ cell }} bte_cell; /* of the maps */
 
-/* Defined before this file: qualifiers of the calibration data, as `const volatile` where a tool
- * changes them, and what stands before their definitions, as an attribute with a section. */
+/* An ECU project may define two macros before this file: the qualifiers of the calibration data,
+ * `const volatile` if a tool changes them, and an attribute of their definitions, a section. */
 #ifndef BTE_CAL
 #define BTE_CAL const
 #endif
@@ -47,19 +47,19 @@ typedef struct {
 {{ variables("bte_real", inputs) -}}
 } bte_inputs;
 
-/* With its 95 % bounds. */
+/* An answer with its 95 % bounds. */
 typedef struct {
     bte_real median, lower, upper;
 } bte_interval;
 
-/* What is answered, finite at any reason. */
+/* The answers, which are finite whatever the reason. */
 typedef struct {
 {{ variables("bte_interval", answers) -}}
 } bte_answers;
 
 enum { BTE_FRONT, BTE_REAR, BTE_AXLES, BTE_WHEELS = 4, BTE_INPUTS = {{ inputs | length }} };
 
-/* Bits of `diagnosis`: an input that is out of its range or jumps, by its place, then these. */
+/* Bits of `diagnosis`: first one for each input that is out of its range or jumps, then these. */
 enum {
 {% for check in checks %}
     BTE_{{ check.upper() }}{{ " = BTE_INPUTS" if loop.first }},
@@ -67,7 +67,7 @@ enum {
     BTE_DIAGNOSES
 };
 
-/* Axes of maps: deceleration, (eta - 1)/z, slip in standard deviations; rising points. */
+/* Axes of maps: deceleration z [1], (eta - 1)/z, slip [standard deviations]; the points rise. */
 enum { BTE_Z, BTE_SHIFT, BTE_SLIP, BTE_MAP_AXES };
 enum { BTE_COLUMNS = 3 };
 typedef struct {
@@ -75,8 +75,8 @@ typedef struct {
     uint16_t count;
 } bte_axis;
 
-/* Columns over as many axes, linear between the points and held beyond their ends; cells times
- * `step` are the values. */
+/* A map: columns of cells over its axes; a value is a cell times the `step` of its column. Values
+ * are linear between the points, and constant beyond the ends of the axes. */
 typedef struct {
     bte_axis axis[BTE_MAP_AXES];
     uint16_t axes, columns;
@@ -92,17 +92,17 @@ typedef struct {
 {% endfor %}
 } bte_numbers;
 
-/* The data of a car: of which bte.h, how large, with which sum; numbers and maps. */
+/* The data of a car: layout, size and checksum by which they are accepted; numbers and maps. */
 typedef struct {
     uint32_t layout, size, checksum;
-    uint16_t samples, waiting; /* of a block; blocks on which no zero rests */
+    uint16_t samples, waiting; /* in a block; blocks before a bite that show no zero */
     BTE_CAL bte_numbers *numbers;
     bte_map pads, slip, level, prior;
     bte_axis tyre;
     BTE_CAL bte_real *tyre_slip;
 } bte_car;
 
-/* What a signal reads while nothing brakes, Kalman filters of brakes and speed, and their sums. */
+/* Zeros of signals, Kalman filters of brakes and speed, their checks and means. */
 {% for name, declared in structures.items() %}
 typedef struct {
 {{ members(declared) -}}
@@ -113,7 +113,7 @@ typedef struct {
 {{ members(filters) -}}
 } bte_filters;
 
-/* Means over a block [SI], as the estimator takes them in; forces over the weight. */
+/* Means over a block [SI]; forces are over the weight of the car. */
 typedef struct {
     bte_real {{ block | join(", ") }};
 } bte_block;
@@ -123,27 +123,26 @@ typedef struct {
     bte_real p_mc, z, omega_f, apart, drive_f, drive_r; /* apart: rear less front wheels */
 } bte_sums_of_block;
 
-/* What a block of a car that rolls reads, of which zeros are learned. */
+/* Readings of a rolling block, from which the zeros are learned. */
 typedef struct {
     bte_real demand, eta_less_1, rim;
 } bte_rolling;
 
-/* All that is remembered. A tool measures the members up to `filters`; calibration data do not
- * move. */
+/* The state. A calibration tool measures the members up to `filters`. */
 typedef struct {
-    uint32_t reason, layout, diagnosis; /* bits of what fails */
-    uint32_t lasted[BTE_DIAGNOSES]; /* in how many calls each failed */
-    uint16_t often[BTE_DIAGNOSES]; /* how often each began to */
-    bte_inputs last; /* good readings */
+    uint32_t reason, layout, diagnosis; /* diagnosis: a bit for each that fails */
+    uint32_t lasted[BTE_DIAGNOSES]; /* number of calls in which it failed */
+    uint16_t often[BTE_DIAGNOSES]; /* number of times that it began to fail */
+    bte_inputs last; /* last good readings */
     bte_answers answers;
     bte_filters filters;
     const bte_car *car;
-    bte_real ratio[3]; /* ln of the best informed one, with its bounds */
+    bte_real ratio[3]; /* ln of the held ratio of the pads, with its bounds */
     bool started, block_full, faulty, failed, driven;
     uint16_t count, checks;
     uint32_t seal, waits;
     bte_rolling waiting[3];
-    bte_real raw[BTE_INPUTS], wheels[BTE_WHEELS][2]; /* the last readings */
+    bte_real raw[BTE_INPUTS], wheels[BTE_WHEELS][2]; /* last readings in range; last two speeds */
     bte_real fastest, lateral, since_lock, since_abs, omega[BTE_AXLES];
     bte_sums_of_block sum;
     bte_reason worst, block_reason;
@@ -151,22 +150,22 @@ typedef struct {
 
 typedef enum {
     BTE_READY,
-    BTE_CALIBRATED, /* ready, but the data differ from their sum: a tool changed them, or a fault */
-    BTE_REFUSED     /* data of another bte.h or compiler: every answer is 0, its reason a fault */
+    BTE_CALIBRATED, /* ready, but the checksum differs: a tool changed the data, or a fault did */
+    BTE_REFUSED     /* data of another bte.h or compiler: every answer is 0, the reason BTE_FAULT */
 } bte_status;
 
 /* Forget everything, and take the data of a car. */
 bte_status bte_init(bte_state *state, const bte_car *car);
 
-/* Take in a sample; the reason of `state->answers`. */
+/* Take in a sample; return the reason of `state->answers`. */
 bte_reason bte_step(bte_state *state, const bte_inputs *x);
 
-/* Take other data: true at rest, false while it rolls or if they are refused, and nothing is done.
- * What a_x and eta read while nothing brakes, and the lag of the brakes, last; all else begins. */
+/* Take other data of a car that rests. The zeros of a_x and eta and the lag of the brakes last, all
+ * else begins anew. False, and nothing is done, while the car rolls or if the data are refused. */
 bool bte_exchange(bte_state *state, const bte_car *car);
 
-/* After a reset, before bte_init, of a state in RAM that it spared: true if its seal is whole. The
- * same lasts. False: call bte_init. */
+/* After a reset: go on with a state that the RAM kept, if its checksum is right; as bte_exchange.
+ * False, and nothing is done, if it is not: then call bte_init. */
 bool bte_resume(bte_state *state, const bte_car *car);
 
 #ifdef __cplusplus

@@ -1,7 +1,8 @@
-/* Runs the estimator of brake-cal over many samples: `bte_run`, for tests.
+/* Run the estimator of brake-cal over many samples, for tests: the function bte_run.
  *
- * With BTE_VECTORS defined it is a program for a PC. Without a file it compares with what Python
- * answered (bte_vectors.h); with one it writes answers to a stop, as brake-cal log --si writes it:
+ * With BTE_VECTORS defined this file is a program for a PC. Without an argument it compares its
+ * answers with those of Python in bte_vectors.h. With the file of a stop, as `brake-cal log --si`
+ * writes it, it prints its answers to the stop:
  *
  *     bte_run stop.csv > answers.csv
  */
@@ -34,6 +35,7 @@ void bte_run(const bte_car *car, const bte_real *samples, uint32_t count, bte_re
 
 enum { LINE = 65536, CELLS = 1024, REFUSED = 2 };
 
+/* Compare the answers at the ends of the blocks with those of Python; 1 if they differ. */
 static int compare(void) {
     static bte_real rows[BTE_VECTORS_COUNT * BTE_ROW];
     unsigned wrong = 0U;
@@ -58,8 +60,8 @@ static int refuse(const char *file, const char *wrong, const char *name) {
     return REFUSED;
 }
 
-/* The cells of a line, which it parts; an empty one is one. */
-static int parted(char *line, char *cell[CELLS]) {
+/* Split a line at its commas, and return the number of cells. */
+static int split(char *line, char *cell[CELLS]) {
     int count = 0;
     line[strcspn(line, "\r\n")] = '\0';
     for (char *next = line; next != NULL && count < CELLS; count++) {
@@ -72,7 +74,7 @@ static int parted(char *line, char *cell[CELLS]) {
     return count;
 }
 
-/* The place of a column; -1 where there is none, -2 where it has another unit. */
+/* Return the place of a column; -1 if there is none, -2 if it has another unit. */
 static int place_of(char *const cell[], int count, const char *column) {
     const size_t name = strcspn(column, " ");
     for (int k = 0; k < count; k++) {
@@ -93,24 +95,24 @@ static void print_row(const bte_state *s, double time) {
     printf("\n");
 }
 
+/* Print the answers to the samples of a file. In a gap of the file all sensors fail. */
 static int run_file(const char *path) {
     static char line[LINE];
     static bte_state state;
     char *cell[CELLS];
-    int place[BTE_INPUTS], time_place = -1, count = 0;
+    int place[BTE_INPUTS];
     const double step = (double)BTE_VECTORS_CAR->numbers->sample_time;
     double last = -1.0;
     FILE *file = fopen(path, "r");
     if (file == NULL || fgets(line, LINE, file) == NULL) {
         return refuse(path, "cannot be read", "");
     }
-    count = parted(line, cell);
-    time_place = place_of(cell, count, "time [s]");
+    const int columns = split(line, cell), time_place = place_of(cell, columns, "time [s]");
     if (time_place < 0) {
         return refuse(path, "no column time [s]", "");
     }
     for (int i = 0; i < BTE_INPUTS; i++) {
-        place[i] = place_of(cell, count, bte_vectors_columns[i]);
+        place[i] = place_of(cell, columns, bte_vectors_columns[i]);
         if (place[i] == -2 || (place[i] < 0 && i < BTE_VECTORS_NEEDED)) {
             return refuse(path, "no column ", bte_vectors_columns[i]);
         }
@@ -120,17 +122,17 @@ static int run_file(const char *path) {
     for (unsigned rows = 0; fgets(line, LINE, file) != NULL; rows++) {
         bte_inputs x;
         bte_real row[BTE_INPUTS];
-        count = parted(line, cell);
+        const int count = split(line, cell);
         const double time = time_place < count ? strtod(cell[time_place], NULL) : -1.0;
         const double steps = rows == 0U ? 1.0 : (time - last) / step;
         /* the first step tells the rate, a later one may be a gap */
         if (!(steps > 0.75 && (rows > 1U || steps < 1.25))) {
-            return refuse(path, "its rate is not that of the code: `sample_time` of bte_numbers", "");
+            return refuse(path, "its rate is not the `sample_time` of the code", "");
         }
         for (int i = 0; i < BTE_INPUTS; i++) {
             row[i] = (bte_real)NAN;
         }
-        (void)memcpy(&x, row, sizeof x); /* nothing, in a gap */
+        (void)memcpy(&x, row, sizeof x);
         for (double k = 1.0; k < fmin(floor(steps + 0.5), 10.0 / step); k += 1.0) {
             (void)bte_step(&state, &x);
         }

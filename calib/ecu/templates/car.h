@@ -1,10 +1,11 @@
 /* A car that rolls and brakes in a straight line, as a model of fmi.c: the equations of
- * calib/model/solver.py with the numbers of {{ data }}.c, and the tyre of calib/car/magic_formula.py.
- * Forces are over the weight.
- * Newton's method finds the slips of the axles; z, speed and loads follow in the same turns.
+ * calib/model/solver.py with the numbers of the car, and the tyre of calib/car/magic_formula.py.
+ * Forces are over the weight of the car. Newton's method finds the slips of the axles; z, speed and
+ * loads follow in the same iterations.
  */
-static const double G = 9.80665, EDGE = 0.999, STOPS = 1.0, LEAST = 0.01; /* [1]; [m/s]; [1] */
-enum { DRIVES, STANDS, LIFTS, SLIDES, TURNS = 40 }; /* reasons; a turn gains a digit or more */
+static const double G = 9.80665, EDGE = 0.999, STOPS = 1.0, LEAST = 0.01;
+/* [m/s^2]; share of the rising branch of the tyre; least speed [m/s]; least load */
+enum { DRIVES, STANDS, LIFTS, SLIDES, TURNS = 40 }; /* reasons; iterations */
 
 typedef struct {
     double v, z, slip[BTE_AXLES], omega[BTE_AXLES];
@@ -65,7 +66,8 @@ static void model_step(model *m, double x[], bool first) {
         x[V] = m->v * moves;
         for (int a = 0; a < BTE_AXLES; a++) {
             x[OMEGA_FL + 2 * a] = x[OMEGA_FR + 2 * a] = m->omega[a] * moves;
-            x[BRAKE_TORQUE_FL + 2 * a] = x[PAD_FRICTION_F + a] * {{ data }}.numbers->torque_gain[a] * x[P_MC];
+            const double gain = {{ data }}.numbers->torque_gain[a];
+            x[BRAKE_TORQUE_FL + 2 * a] = gain * x[PAD_FRICTION_F + a] * x[P_MC];
             x[BRAKE_TORQUE_FR + 2 * a] = x[BRAKE_TORQUE_FL + 2 * a];
         }
     }
