@@ -32,7 +32,7 @@ _TYPES = {
     "Array": "bte_real", "float": "bte_real", "Mask": "bool", "bool": "bool", "None": "void",
 }  # fmt: skip
 """Types in C by those of Python. Other classes are structures of equations.py."""
-_NOT_INLINED = {"update", "update_zero", "reset_speed"}
+_NOT_INLINED = {"update", "update_zero", "reset_speed", "share_of"}
 """Functions that would cost too much flash if the compiler wrote them out at each call."""
 _VIEW, _VIEW_OF = "BlockState", "block_state"
 """The tuple that C does not have, and the function that makes it from the state."""

@@ -86,12 +86,11 @@ def take_zeros(c: Constants, s: State, demand: float, eta_less_1: float, rim: fl
     """Update the zeros of demand and eta by a rolling block; count refused ones in a row."""
     of_demand: Zero = s.demand
     of_eta: Zero = s.eta_less_1
+    s.check.refused += 1.0
     if abs(demand) < c.most_zero and abs(eta_less_1 - c.radii) < c.most_radii:
         update_zero(of_demand, demand, c.var_zero_z)
         update_zero(of_eta, eta_less_1, 2.0 * c.var_rim / rim**2)
         s.check.refused = 0.0
-    else:
-        s.check.refused += 1.0
 
 
 def rolls(c: Constants, s: State, x: Sample[float], *, counts: bool) -> bool:

@@ -233,7 +233,7 @@ static uint32_t fnv_word(uint32_t sum, uint64_t word) {
     return (uint32_t)(((sum ^ (word & 0xFFFFFFFFU)) * 16777619U) & 0xFFFFFFFFU);
 }
 
-static uint32_t fnv_real(uint32_t sum, bte_real x) {
+CALLED static uint32_t fnv_real(uint32_t sum, bte_real x) {
     uint{{ floating }}_t bits;
     (void)memcpy(&bits, &x, sizeof bits);
     const uint64_t wide = bits;
