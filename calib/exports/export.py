@@ -27,9 +27,9 @@ def _form_of(path: Path, written: str | None) -> str:
     if written is not None and written.lower() in FORMATS:
         return written.lower()
     if written is not None:
-        known = [*ENDINGS, *CODES]
-        do = did_you_mean(written.lower(), known)
-        raise ExchangeError(f"unknown format {written!r}", expected=", ".join(known), do=do)
+        formats = [*ENDINGS, *CODES]
+        do = did_you_mean(written.lower(), formats)
+        raise ExchangeError(f"unknown format {written!r}", expected=", ".join(formats), do=do)
     endings = {f".{ending}": name for name, ending in ENDINGS.items()}
     if path.suffix.lower() in endings:
         return endings[path.suffix.lower()]
