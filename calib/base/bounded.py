@@ -1,8 +1,8 @@
 """Read files of users safely: only regular files, and none above the size limit of its kind.
 
 Reading a named pipe may wait for ever, a device has no end, and a few kilobytes of gzip can unpack
-to gigabytes. With these limits, reading a file takes at most about 1 GB of memory and 20 s. An
-environment variable raises a limit: with `BRAKE_CAL_MOST_LOG=500`, a log may have 500 MB.
+to gigabytes. With these limits, reading a file takes at most about 1 GB of memory and 20 s. With
+the environment variable `BRAKE_CAL_MOST_LOG=500`, a log may have 500 MB.
 """
 
 import errno
@@ -21,7 +21,7 @@ _MEGA = 1_000_000
 
 
 class FileKind(NamedTuple):
-    """A kind of file, and the size limit in ``megabytes``, before and after unpacking."""
+    """A kind of file, and its size limit in ``megabytes``, packed and unpacked."""
 
     name: str
     megabytes: float
@@ -34,18 +34,18 @@ class FileKind(NamedTuple):
     @property
     def max_bytes(self) -> int:
         """Size limit [bytes]. Raises SettingsError for a variable that is no number above 0."""
-        written = os.environ.get(self.variable, "")
+        setting = os.environ.get(self.variable, "")
         try:
-            megabytes = float(written) if written else self.megabytes
+            megabytes = float(setting) if setting else self.megabytes
         except ValueError:
             megabytes = math.nan  # is refused below
         if not 0 < megabytes < math.inf:
-            flaw, expected = f"{written!r} is no size", "a number of MB, such as 500"
+            flaw, expected = f"{setting!r} is no size", "a number of MB, such as 500"
             raise SettingsError(flaw, where=self.variable, expected=expected)
         return int(megabytes * _MEGA)
 
     def too_large(self, subject: str = "it has") -> str:
-        """Message for a file that is too large."""
+        """Message for a file that is too large; ``subject`` may be "it unpacks to"."""
         limit = f"{self.max_bytes / _MEGA:g} MB"
         return f"{subject} more than {limit}; if it is meant, set {self.variable} to more MB"
 
@@ -63,7 +63,6 @@ PROGRAM = FileKind("program", 512)  # ELF; without debug information it has abou
 TABLE = FileKind("table", 16)  # each file of a version in a store
 JOURNAL = FileKind("journal", 64)  # some 100,000 lines
 KEY = FileKind("key", 0.016384)  # keys and signatures: no file of minisign is longer
-
 
 # Without O_NONBLOCK, opening a pipe that nobody writes to blocks. Windows has O_BINARY alone.
 _FLAG_NAMES = ("O_NONBLOCK", "O_CLOEXEC", "O_BINARY")
@@ -103,9 +102,6 @@ def read_bounded(path: Path, kind: FileKind) -> bytes:
     return data
 
 
-POINTER = b"version https://git-lfs"  # the first bytes of a file that git LFS has not fetched
-
-
 @contextmanager
 def errors_as(error: Callable[..., BrakeCalError], where: object, expected: str) -> Iterator[None]:
     """Raise ``error`` for the file ``where`` in place of an OSError within the context."""
@@ -118,6 +114,9 @@ def errors_as(error: Callable[..., BrakeCalError], where: object, expected: str)
         if Path(str(where)).is_dir():
             flaw, do = "is a folder", "name the files in it"
         raise error(flaw, where=where, expected=expected, do=do) from cause
+
+
+POINTER = b"version https://git-lfs"  # the first bytes of a file that git LFS has not fetched
 
 
 def bytes_of(

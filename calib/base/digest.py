@@ -1,4 +1,4 @@
-"""SHA-256 of content, which depends neither on the file format nor on its compression."""
+"""SHA-256 of content: equal for equal content, whatever the file format or its compression."""
 
 import hashlib
 import json
@@ -21,10 +21,7 @@ def content_digest(record: dict[str, Any], curves: dict[str, dict[str, Array]]) 
 
 
 def canonical_json(record: dict[str, Any]) -> bytes:
-    """JSON with sorted keys and no spaces: equal bytes for equal content.
-
-    Raises ValueError for a number that is not finite.
-    """
+    """JSON with sorted keys and no spaces. Raises ValueError for a number that is not finite."""
     return json.dumps(record, sort_keys=True, separators=(",", ":"), allow_nan=False).encode()
 
 

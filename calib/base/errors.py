@@ -1,4 +1,4 @@
-"""The errors that a user can cause, with their exit codes, as one tree of classes.
+"""The errors that the command line reports, with their exit codes, as one tree of classes.
 
 The command line catches only the root. A message says what was wrong, which value was given, what
 was expected and where to look. Several errors of one file are one message of several lines.
@@ -32,11 +32,10 @@ def one_line(text: str) -> str:
 
 
 class BrakeCalError(Exception):
-    """Root of every error that a user can cause and correct."""
+    """Root of every error that the command line reports."""
 
     exit_code = 1
-    advice = ""
-    """The next step for the user where an error of this kind is raised without ``do``."""
+    advice = ""  # the next step for the user if ``do`` is empty
 
     def __init__(
         self,
@@ -47,7 +46,7 @@ class BrakeCalError(Exception):
         do: str = "",
         lines: tuple[str, ...] = (),
     ):
-        """Build the message: one line, then ``lines``, one for each further mistake.
+        """Build the message: one line, then ``lines``, one for each mistake of several.
 
         ``problem`` says what was wrong and which value was given. ``where`` is the file, channel or
         key. ``expected`` is what would have been right. ``do`` is the next step for the user.
@@ -65,7 +64,7 @@ class BrakeCalError(Exception):
 
     @property
     def kind(self) -> str:
-        """Name of this kind of error in JSON: the name of the class in small letters.
+        """Name of this kind of error in JSON, from the name of the class.
 
         >>> DamagedTable("edited").kind, ChannelMapError("empty").kind
         ('damaged_table', 'channel_map')
@@ -130,7 +129,7 @@ class ExchangeError(InputError):
 
 
 class NotFiniteError(InputError):
-    """A computed number is not finite: nothing is concluded from it."""
+    """A computed number is not finite, so that nothing can be concluded."""
 
 
 def not_finite(quantity: str, where: object) -> NotFiniteError:

@@ -20,9 +20,9 @@ EXTRAS = {
 def need(
     module: str, extra: str, where: object = None, error: type[BrakeCalError] = BrakeCalError
 ) -> ModuleType:
-    """Import and return ``module``, which the ``extra`` installs.
+    """Import and return ``module``, which comes with the ``extra``.
 
-    Raises ``error``, which says what to install for ``where``, if the module is missing.
+    If it is missing, raises ``error``, which says what to install to use the file ``where``.
     """
     try:
         return import_module(module)

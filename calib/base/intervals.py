@@ -14,12 +14,10 @@ Z90 = 1.645  # 90 % quantile of |x| over sigma
 
 LIKELY_LOG_ODDS = 3.0
 """ln of the odds from which a mistake is reported: 20 to 1."""
-
 CERTAIN_LOG_ODDS = 8.0
 """ln of the odds from which a mistake counts as certain: 3,000 to 1.
 
-A sound log can reach 6.4: without a motor, a car near ideal balance whose tyres have an unusual
-form did so for the hypothesis of a motor.
+A sound log can reach 6.4: near ideal balance, tyres of unusual form look like a motor.
 """
 
 
@@ -31,8 +29,8 @@ def scatter(x: Array) -> float:
 def white_noise(x: Array, order: int = 3, lag: int = 1) -> float:
     """Standard deviation of the white noise on a smooth signal ``x`` (n,).
 
-    It follows from differences of ``order`` between values ``lag`` samples apart. Third differences
-    contain almost no motion of the car, and their median ignores the bite of a brake.
+    It is computed from differences of ``order`` between values ``lag`` samples apart. Third
+    differences contain almost no motion of the car, and their median ignores the bite of a brake.
     """
     for _ in range(order):
         x = x[lag:] - x[:-lag]
@@ -40,21 +38,21 @@ def white_noise(x: Array, order: int = 3, lag: int = 1) -> float:
 
 
 def noise_over(x: Array, longest: float) -> list[float]:
-    """`white_noise` of ``x`` (n,) with lags of 1, 2, 4 ... samples.
+    """`white_noise` of ``x`` (n,) with lags of 1, 2, 4 ... samples up to ``longest``.
 
-    The lags end at ``longest``, or earlier where a third of ``x`` is shorter.
+    A lag of a third of ``x`` or more is left out.
     """
     lags = [2**i for i in range(x.size.bit_length())]
     return [white_noise(x, lag=lag) for lag in lags if lag <= longest and 3 * lag < x.size]
 
 
 def second_differences(white: float, walk: float, turned: float) -> tuple[Array, float]:
-    """Return the moving average (3,) that gives second differences, and the sigma of its input.
+    """Return second differences as a moving average (3,) of white noise, and its sigma [m/s].
 
     The differences are those of v less the integral of a_x. This signal is white noise of variance
     ``white``, plus a random walk with steps of variance ``walk``, plus a walk whose step is itself
     a random walk, with changes of variance ``turned``, as on a changing slope; all in m^2/s^2. With
-    y = z + 1/z the spectrum of the second differences is
+    y = z + 1/z, where z shifts by a sample, the spectrum of the second differences is
 
         white (2 - y)^2 + walk (2 - y) + turned
 
@@ -69,46 +67,31 @@ def second_differences(white: float, walk: float, turned: float) -> tuple[Array,
     return average, math.sqrt(white / average[-1])
 
 
-class Posterior(NamedTuple):
-    """Posterior of n unknowns of linear Gaussian models.
-
-    ``means`` (..., n); ``covariances`` (..., n, n); ``evidence`` (...) logarithm of the marginal
-    likelihood over the likelihood where all unknowns are zero.
-    """
-
-    means: Array
-    covariances: Array
-    evidence: Array
-
-
-def posterior(information: Array, side: Array, sigma: Array) -> Posterior:
-    """Posterior of unknowns with independent priors about zero of ``sigma`` (..., n).
+def posterior(information: Array, side: Array, sigma: Array) -> tuple[Array, Array, Array]:
+    """Return means (..., n) and covariances (..., n, n) of n unknowns x, and their evidence (...).
 
     ``information`` (..., n, n) and ``side`` (..., n) are the normal equations of the measurement,
-    information x = side. They are solved in units of sigma, so that wide priors cost no digits.
+    information x = side. The priors are independent and normal about zero, of ``sigma`` (..., n).
+    The equations are solved in units of sigma, so that wide priors cost no digits. The evidence is
+    ln of the marginal likelihood over the likelihood of x = 0.
     """
     scale = sigma[..., :, None] * sigma[..., None, :]  # (..., n, n)
-    total = np.eye(sigma.shape[-1]) + scale * information
+    total = np.eye(sigma.shape[-1]) + scale * information  # prior and measurement
     covariances = scale * np.linalg.inv(total)
     side = np.broadcast_to(side, covariances.shape[:-1])
     means = np.einsum("...ij,...j->...i", covariances, side)
     evidence = 0.5 * (np.sum(side * means, axis=-1) - np.linalg.slogdet(total)[1])
-    return Posterior(means, covariances, evidence)
+    return means, covariances, evidence
 
 
 class Mixture(NamedTuple):
-    """Posterior of n unknowns under k hypotheses together.
+    """Posterior of n unknowns, a mixture over k hypotheses."""
 
-    ``mean`` (..., n) and ``covariance`` (..., n, n) of the mixture; ``weights`` (..., k) posterior
-    probabilities of the hypotheses; ``means`` (..., k, n) under each hypothesis; ``evidence`` (...)
-    logarithm of the marginal likelihood of the mixture, up to a constant.
-    """
-
-    mean: Array
-    covariance: Array
-    weights: Array
-    means: Array
-    evidence: Array
+    mean: Array  # of the mixture, (..., n)
+    covariance: Array  # of the mixture, (..., n, n)
+    weights: Array  # posterior probabilities of the hypotheses, (..., k)
+    means: Array  # under each hypothesis, (..., k, n)
+    evidence: Array  # ln of the marginal likelihood, up to a constant, (...)
 
 
 def weigh_hypotheses(
@@ -117,8 +100,8 @@ def weigh_hypotheses(
     """Weigh k hypotheses by their marginal likelihoods.
 
     ``information`` (..., k, n, n), ``side`` (..., k, n) and ``sigma`` (k, n) are as in `posterior`.
-    ``odds`` (k,) are the prior odds, up to a common factor. ``likelihood`` (..., k) is the
-    logarithm of the likelihood where all unknowns are zero, up to a common constant.
+    ``odds`` (k,) are the prior odds, up to a common factor. ``likelihood`` (..., k) is ln of the
+    likelihood of x = 0, up to a common constant.
     """
     means, covariances, evidence = posterior(information, side, sigma)
     evidence = evidence + likelihood + np.log(odds)  # (..., k)
@@ -134,7 +117,7 @@ def weigh_hypotheses(
     return Mixture(mean, covariance, weights, means, total_evidence)
 
 
-_MAX_LOG_RATIO = 300.0  # largest logarithm of a likelihood ratio, so that exp does not overflow
+_MAX_LOG_RATIO = 300.0  # largest ln of a likelihood ratio, so that exp does not overflow
 
 
 def likelihood_ratio(x: float, sigma: float, spread: float) -> float:

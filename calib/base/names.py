@@ -33,8 +33,7 @@ class _Quantity(NamedTuple):
     name: str
     unit: str
     si: str
-    required: bool = False
-    """Whether every log must have the channel."""
+    required: bool = False  # whether every log must have the channel
 
 
 _QUANTITIES = (
@@ -55,15 +54,12 @@ CHANNELS = {quantity.name: quantity for quantity in _QUANTITIES}
 
 FLAGS = ("abs_active",)  # channels that are 0 or 1, with no value between
 
-TRUTH = "true_"  # prefix of the truth channels, which a simulation writes
+TRUTH = "true_"  # prefix of a simulation's truth, which no fit, estimator or diagnosis reads
 TRUTH_UNITS = {"true_Tb": "N*m", "true_Fx": "N", "true_Fz": "N", "true_mu_pad": "1"}
-"""SI unit of each truth channel by the part of its name before the wheel or axle.
-
-Fit, estimator and diagnosis never read these channels.
-"""
+"""SI unit of each truth channel by the part of its name before the wheel or axle."""
 
 _TABLE_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}")
-_STORE_FILES = ("journal.jsonl", "journal.head")  # they stand beside the folders of the tables
+_STORE_FILES = ("journal.jsonl", "journal.head")  # in a store, beside the folders of its tables
 _WINDOWS_DEVICE = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?", re.IGNORECASE)
 TABLE_NAMES = (
     "letters, digits and . _ - only, at most 100, a letter or digit first, no dot last, no file of "

@@ -1,8 +1,8 @@
-"""Numbers and names as people read them, tables of a package, and the list of all metrics.
+"""Numbers and names as people read them, CSV files of a package, and the list of all metrics.
 
-A metric is a number that judges a table or a stop. `metrics.csv` has one row for each, by its key
-in JSON files and limits files: name and unit for people, meaning, limits with their reason, and the
-next step where a value is outside them.
+A metric is a number that judges a table or a stop. `metrics.csv` has a row for each, by its key in
+JSON files and limits files: name and unit for people, meaning, limits with their reason, and the
+next step where a value is outside the limits.
 """
 
 import csv
@@ -31,7 +31,7 @@ def quoted(names: Sequence[str], limit: int = 10) -> str:
 
 
 def plus_minus(value: float, half: float) -> str:
-    r"""A value with the half width of its interval, with three decimals, on one line.
+    r"""A value and the half width of its interval, with three decimals.
 
     >>> plus_minus(0.38, 0.0236)
     '0.380\xa0±\xa00.024'
@@ -50,7 +50,7 @@ def signed_percent(share: float) -> str:
 
 
 def without_exponent(value: float) -> str:
-    """Return a number with three digits, as people write it.
+    """A number with three digits, as people write it.
 
     >>> without_exponent(0.05523), without_exponent(200000.0), without_exponent(5e-6)
     ('0.0552', '200000', '0.000005')
@@ -60,7 +60,7 @@ def without_exponent(value: float) -> str:
 
 
 def range_words(low: str, high: str) -> str:
-    """A range between two written numbers; an empty text means that there is no such bound.
+    """A range between two written numbers; an empty text is no bound.
 
     >>> range_words("1", "2"), range_words("1", ""), range_words("", "2"), range_words("", "")
     ('1 to 2', 'at least 1', 'at most 2', 'none')
@@ -73,7 +73,7 @@ def range_words(low: str, high: str) -> str:
 
 
 def finite_or_none(value: float | None) -> float | None:
-    """The number as a file holds it: None if it is unknown or not finite."""
+    """A number for a JSON file: None if it is unknown or not finite."""
     return None if value is None or not math.isfinite(value) else float(value)
 
 
@@ -89,9 +89,9 @@ def texts_of(cell: str) -> tuple[str, ...]:
 
 
 class MetricLimits(NamedTuple):
-    """Limits of a metric: a value outside ``low`` to ``high`` fails.
+    """Limits of a metric, None where there is none.
 
-    A value outside ``warn_low`` to ``warn_high`` gives a warning. None where there is no limit.
+    A value outside ``low`` to ``high`` fails, outside ``warn_low`` to ``warn_high`` it warns.
     """
 
     low: float | None = None
@@ -105,35 +105,24 @@ _NO_LIMITS = MetricLimits()
 
 @dataclass(frozen=True)
 class Metric:
-    """One row of `metrics.csv`; None where a range has no such end.
-
-    ``scope`` is "car" where the station judges the metric, "stop" where a validation does, else "".
-    ``unit`` is the displayed unit, or "", and ``factor`` converts from SI to it. ``step`` is the
-    smallest relevant difference [SI], which gives the displayed decimals, or 0. The value ``cut``
-    stands for all larger values.
-
-    ``low`` to ``warn_high`` are limits of the station as in `MetricLimits`; ``judged`` is the place
-    of the metric in the station's order, 0 if the station does not judge it. ``stop`` has the
-    limits of `validate`, which are also the station's limits for stops. A ``required`` metric fails
-    where its value is not known. ``reason`` is that of the limits; ``action`` the next step.
-    """
+    """One row of `metrics.csv`."""
 
     name: str
-    unit: str = ""
-    factor: float = 1.0
-    step: float = 0.0
-    scope: str = ""
-    cut: float | None = None
-    judged: int = 0
-    low: float | None = None
+    unit: str = ""  # as displayed
+    factor: float = 1.0  # converts from SI to `unit`
+    step: float = 0.0  # smallest relevant difference [SI], which gives the displayed decimals
+    scope: str = ""  # "car" where the station judges the metric, "stop" where a validation does
+    cut: float | None = None  # this value stands for all larger values [SI]
+    judged: int = 0  # place in the station's order; 0 if the station does not judge the metric
+    low: float | None = None  # limits of the station as in `MetricLimits`
     high: float | None = None
     warn_low: float | None = None
     warn_high: float | None = None
-    stop: MetricLimits = _NO_LIMITS
-    required: bool = False
+    stop: MetricLimits = _NO_LIMITS  # limits of `validate`, and of the station for stops
+    required: bool = False  # whether an unknown value fails
     meaning: str = ""
-    reason: str = ""
-    action: str = ""
+    reason: str = ""  # why these limits
+    action: str = ""  # next step for the user where a value is outside the limits
 
     @property
     def heading(self) -> str:
@@ -141,7 +130,7 @@ class Metric:
         return f"{self.name} [{self.unit}]" if self.unit else self.name
 
     def value(self, value: float | None) -> str:
-        """A value in the displayed unit, without that unit; four digits where `step` is 0.
+        """A value as a number of the displayed unit; four digits where `step` is 0.
 
         >>> Metric("Valid samples", "%", 100.0, 0.002).value(0.9516)
         '95.2'
@@ -155,7 +144,7 @@ class Metric:
         return f"{displayed:z.{decimals}f}"
 
     def with_unit(self, value: float | None) -> str:
-        """A value with its unit and a no-break space between them, `95.2 %`."""
+        """A value with its unit, `95.2 %`, without a line break between them."""
         text = self.value(value)
         if self.unit and text != "not known":
             text += f"{NBSP}{self.unit}"
@@ -163,14 +152,14 @@ class Metric:
         return f"{text} or more" if is_cut else text
 
     def bounds(self, low: float | None, high: float | None) -> str:
-        r"""A range in the displayed unit, not rounded to `step`.
+        r"""A range with the displayed unit, not rounded to `step`.
 
         >>> Metric("Valid samples", "%", 100.0, 0.01).bounds(0.125, None)
         'at least 12.5\xa0%'
         """
-        least, largest = ("" if x is None else f"{self.factor * x:.10g}" for x in (low, high))
-        unit = f"{NBSP}{self.unit}" if self.unit and (least or largest) else ""
-        return range_words(least, largest) + unit
+        ends = ["" if x is None else f"{self.factor * x:.10g}" for x in (low, high)]
+        unit = f"{NBSP}{self.unit}" if self.unit and any(ends) else ""
+        return range_words(*ends) + unit
 
 
 _TEXT_COLUMNS = ("scope", "name", "unit", "meaning", "reason", "action")
@@ -198,10 +187,10 @@ def meanings(scope: str) -> dict[str, str]:
 
 
 def limit_of(key: str, end: str) -> float:
-    """Return a number of a metric, by the name of its column, such as "warn_high"."""
+    """A limit of a metric, by the name of its column, such as "warn_high"."""
     return float(getattr(METRICS[key], end))
 
 
 def metric_of(key: str, unit: str = "1") -> Metric:
-    """The metric of a key. An unknown key is displayed as it is, with ``unit``."""
+    """The metric of a key; for an unknown key, a metric with the key as its name and ``unit``."""
     return METRICS.get(key) or Metric(key, "" if unit == "1" else unit)

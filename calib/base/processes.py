@@ -64,26 +64,26 @@ def worker_pool(count: int, *preload: str) -> ProcessPoolExecutor:
 def parallel_map(count: int, preload: str) -> Iterator[MapFunction]:
     """Yield a function like `map` that uses ``count`` processes; `map` itself if ``count`` is 1.
 
-    As always with Python's processes, mapped functions must be at the top level of a module, their
-    items and results must be picklable, and a script must guard its main part. The processes import
-    the module ``preload`` first. Raises BatchError if a process died.
+    The processes import the module ``preload`` first. As always with Python's processes, mapped
+    functions must be at the top level of a module, their items and results must be picklable, and a
+    script must guard its main part. Raises BatchError if a process died.
     """
     if count <= 1:
         yield map
         return
     pool = worker_pool(count, preload)
     for _ in range(count):
-        pool.submit(os.getpid)  # starts a process, which imports while this one goes on
+        pool.submit(os.getpid)  # starts a process, which imports while this process goes on
 
     def mapped(function: Callable[[T], R], items: Iterable[T], /) -> Iterator[R]:
         work = list(items)
-        chunk = max(1, len(work) // (3 * count))  # three chunks for each process even out its load
+        chunk = max(1, len(work) // (3 * count))  # three for each process even out the load
         return pool.map(function, work, chunksize=chunk)
 
     try:
         yield mapped
     except BrokenExecutor as error:
-        time.sleep(_SIGNAL_TIME)  # a signal to the whole group ends this process, too, unreported
+        time.sleep(_SIGNAL_TIME)  # a signal to the whole group ends this process here, unreported
         flaw = "a worker process died"
         raise BatchError(flaw, do="repeat it; if memory ran out, with --workers 1") from error
     finally:
@@ -103,6 +103,7 @@ def _start_worker() -> None:
 
 
 def _end_with_parent() -> None:
-    if parent := multiprocessing.parent_process():
+    parent = multiprocessing.parent_process()
+    if parent is not None:
         parent.join()
         os._exit(1)

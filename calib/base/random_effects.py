@@ -22,16 +22,14 @@ from calib.base.intervals import Z95
 class RandomEffects:
     """Mean of k things, for each of n quantities; shapes (n,), in the units of the quantities.
 
-    ``sigma`` is the standard error of the mean. ``prediction_sigma`` is the standard deviation of
-    the value of one thing more about the mean. For intervals, use both with Student's t of
-    ``freedom`` = k - 1. ``between`` is the standard deviation of the b_i.
+    For intervals, use both sigmas with Student's t of ``freedom``.
     """
 
     mean: Array
-    sigma: Array
-    prediction_sigma: Array
-    between: Array
-    freedom: int
+    sigma: Array  # standard error of the mean
+    prediction_sigma: Array  # standard deviation of one thing more about the mean
+    between: Array  # standard deviation of the b_i
+    freedom: int  # k - 1
 
 
 def random_effects(values: Array, variances: Array) -> RandomEffects:
@@ -42,9 +40,9 @@ def random_effects(values: Array, variances: Array) -> RandomEffects:
     ([2.0], [1.5], 1)
     """
     x, error_variance = np.asarray(values, float), np.mean(variances, axis=0)
-    k, scatter = x.shape[0], np.var(x, axis=0, ddof=1)
+    k, scatter = x.shape[0], np.var(x, axis=0, ddof=1)  # s^2
     between = np.sqrt(np.maximum(scatter - error_variance, 0.0))
-    # with Student's t this is as wide as the normal interval of the errors alone
+    # no interval with Student's t is narrower than the normal interval of the errors alone
     scatter = np.maximum(scatter, error_variance * (Z95 / quantile95(k - 1)) ** 2)
     sigma, prediction_sigma = np.sqrt(scatter / k), np.sqrt(scatter * (1.0 + 1.0 / k))
     return RandomEffects(x.mean(axis=0), sigma, prediction_sigma, between, k - 1)

@@ -1,4 +1,4 @@
-"""Schemas of TOML and JSON files as pydantic models, here beside a file of the schema.
+"""Schemas of TOML and JSON files as pydantic models: left the model, right a file.
 
     class PadsSection(Section):                                [pads]
         front: Annotated[float, QuantityMark("1", 0.02, 1.0)]  front = 0.38
@@ -6,8 +6,7 @@
     class ModelFile(FileSchema):                               schema = 1
         pads: PadsSection
 
-All mistakes in a file are reported in one message. The JSON Schema of a file follows from its
-model.
+All mistakes in a file are reported in one message. A model gives a JSON Schema, too.
 """
 
 import math
@@ -45,7 +44,7 @@ class Section(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
 
     written_as: ClassVar[str] = ""
-    """Text that a message expects where a value is not a table; by default its name, ``[pads]``."""
+    """What a message expects in place of a value that is no table; by default ``[pads]``."""
 
 
 class FileSchema(Section):
@@ -76,8 +75,8 @@ def section(
 ) -> Any:
     """Return the schema of a table from the type and the default of each key.
 
-    The default is None for an optional key, ``...`` for a required key. ``title`` names the schema,
-    and ``about`` describes the table in JSON Schema.
+    The default is None for an optional key, ``...`` for a required key. JSON Schema has the name
+    ``title`` and the description ``about``.
     """
     fields: dict[str, Any] = {}
     for name, (kind, default) in keys.items():
@@ -96,8 +95,7 @@ def by_name(title: str, entries: Mapping[str, Any], about: str) -> type[ByName]:
 class QuantityMark:
     """Marks a float of a file: written with a unit, read in SI, plausible from ``low`` to ``high``.
 
-    ``si`` is the SI unit: "1" for a plain number or a percentage, None for any quantity. ``low``
-    and ``high`` are in that unit.
+    The SI unit ``si`` is "1" for a plain number or a percentage, None for any quantity.
     """
 
     si: str | None
@@ -105,7 +103,7 @@ class QuantityMark:
     high: float = math.inf
 
     def read(self, written: object) -> float:
-        """Return the value [SI]. Raises the error `wrong` for another quantity or a wrong size."""
+        """Return the value [SI]. Raises `wrong` for another quantity or an implausible value."""
         try:
             value = quantity(written, self.si, None, InputError)
         except InputError as cause:
@@ -138,7 +136,7 @@ class OneOf:
     choices: tuple[str, ...]
 
     def read(self, written: object) -> Any:
-        """Return the value itself. Raises the error `wrong` for a value that is no choice."""
+        """Return the value itself. Raises `wrong` for a value that is no choice."""
         if not isinstance(written, str) or written not in self.choices:
             hint = did_you_mean(written, self.choices) if isinstance(written, str) else ""
             raise wrong(shortened(written), f"one of {', '.join(map(repr, self.choices))}", hint)
@@ -154,14 +152,14 @@ class OneOf:
 
 
 def read_toml(path: Path, schema: type[S], error: type[InputError]) -> S:
-    """Read a TOML file of a schema. Raises one ``error`` with all mistakes in the file."""
+    """Read a TOML file as a ``schema``. Raises one ``error`` with all mistakes in the file."""
     return validated(load_toml(path, error), schema, path, error)
 
 
 def validated(document: object, schema: type[S], where: object, error: type[BrakeCalError]) -> S:
     """Return a document, plain values or the bytes of JSON, as a checked ``schema``.
 
-    Raises one ``error`` with all mistakes in the document ``where``.
+    Raises one ``error`` with all mistakes, which calls the document ``where``.
     """
     try:
         if isinstance(document, bytes):
@@ -180,7 +178,7 @@ def json_schema(schema: type[Section]) -> dict[str, Any]:
 
 
 class _WithoutNull(GenerateJsonSchema):
-    """Generates JSON Schema without null, which TOML lacks: an optional key may be left out."""
+    """Generates JSON Schema without null: TOML leaves an optional key out."""
 
     def nullable_schema(self, schema: core_schema.NullableSchema) -> JsonSchemaValue:
         return self.generate_inner(schema["schema"])

@@ -11,7 +11,7 @@ from calib.base.errors import BrakeCalError
 from calib.base.toml import did_you_mean, nearest, shortened
 
 _MAX_LISTED = 100  # mistakes in one message
-_SUSPICIOUS = 8  # mistakes from which on another kind of file was probably given
+_SUSPICIOUS = 8  # mistakes in a file that is probably of another kind
 
 _EXPECTED = {
     "string_type": "text in quotes",
@@ -23,14 +23,13 @@ _EXPECTED = {
     "tuple_type": "a list",
 }
 """What a message expects, by pydantic's type of the error."""
-_NOT_A_TABLE = ("model_type", "dict_type", "model_attributes_type")
-"""Pydantic's errors for a value where a table is expected."""
+_NOT_A_TABLE = ("model_type", "dict_type", "model_attributes_type")  # where a table is expected
 
 _Place = tuple[int | str, ...]  # keys and indices from the top of a file to a value
 
 
 class _Mistake(NamedTuple):
-    """A mistake at ``place``; ``expected`` and ``do`` may be ""."""
+    """A mistake at ``place``, a text such as ``empirical[0].knots``."""
 
     place: str
     problem: str
@@ -52,10 +51,12 @@ def one_error(
     cause: ValidationError, schema: type[BaseModel], where: object, error: type[BrakeCalError]
 ) -> BrakeCalError:
     """Return one error that lists all mistakes in the file ``where``."""
-    all_details = cause.errors(include_url=False)
-    details, unlisted = all_details[:_MAX_LISTED], max(len(all_details) - _MAX_LISTED, 0)
-    # in a file of another schema, only the version is reported
-    details = [detail for detail in details if detail["loc"] == ("schema",)] or details
+    details = cause.errors(include_url=False)
+    unlisted = max(len(details) - _MAX_LISTED, 0)
+    details = details[:_MAX_LISTED]
+    of_version = [detail for detail in details if detail["loc"] == ("schema",)]
+    if of_version:  # the other mistakes may follow from the other version
+        details = of_version
     mistakes = [_mistake(detail, schema) for detail in _without_misspelt(details, schema)]
     if len(mistakes) == 1:
         return mistakes[0].error(error, where)
@@ -70,20 +71,19 @@ def _without_misspelt(
     details: list[ErrorDetails], schema: type[BaseModel]
 ) -> Iterator[ErrorDetails]:
     """Leave out missing keys that are only misspelt, since the misspelt key is reported, too."""
-    intended = set[_Place]()
+    intended = set[tuple[int | str | None, ...]]()
     for detail in details:
         if detail["type"] == "extra_forbidden":
             table, written = detail["loc"][:-1], str(detail["loc"][-1])
-            intended.add((*table, nearest(written, _keys(schema, table)) or ""))
+            intended.add((*table, nearest(written, _keys(schema, table))))
     for detail in details:
         if detail["type"] != "missing" or detail["loc"] not in intended:
             yield detail
 
 
 def _mistake(detail: ErrorDetails, schema: type[BaseModel]) -> _Mistake:
-    """Return a mistake in plain words."""
     kind, place, value = detail["type"], detail["loc"], shortened(detail["input"])
-    path, table = _path(place), _path(place[:-1])
+    path, table = _path(place), _path(place[:-1])  # of the value, and of the table that holds it
     context = detail.get("ctx", {})
     if place == ("schema",):
         if kind == "missing":
@@ -104,7 +104,9 @@ def _mistake(detail: ErrorDetails, schema: type[BaseModel]) -> _Mistake:
         return _Mistake(table, f"unknown key {shortened(place[-1])}", expected, hint)
     type_there = _type_at(schema, place)
     if kind in _NOT_A_TABLE:
-        written_as = getattr(type_there, "written_as", "") or (path and f"[{path}]")
+        written_as = getattr(type_there, "written_as", "")
+        if path and not written_as:
+            written_as = f"[{path}]"
         return _Mistake(path, f"{value} is not a table", written_as)
     if kind == "list_type" and _is_section(_item_type(type_there)):
         return _Mistake(path, value, f"[[{path}]] with double brackets")
@@ -112,7 +114,6 @@ def _mistake(detail: ErrorDetails, schema: type[BaseModel]) -> _Mistake:
 
 
 def _path(place: _Place) -> str:
-    """Return a place as text, such as ``empirical[0].knots``."""
     text = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in place)
     return text.removeprefix(".")
 
@@ -125,7 +126,6 @@ def _keys(schema: type[BaseModel], place: _Place) -> list[str]:
 
 
 def _type_at(schema: type[BaseModel], place: _Place) -> Any:
-    """The type of the value at ``place`` in a schema."""
     kind: Any = schema
     for key in place:
         if _is_section(kind):
@@ -136,7 +136,7 @@ def _type_at(schema: type[BaseModel], place: _Place) -> Any:
 
 
 def _item_type(kind: Any) -> Any:
-    """The type of an item of a list, a tuple of any length or a dict; None for other types."""
+    """The type of the items of a list, a tuple of any length or a dict; None for other types."""
     arguments = [argument for argument in get_args(kind) if argument is not Ellipsis]
     return _bare(arguments[-1]) if arguments else None
 

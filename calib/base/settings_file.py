@@ -51,10 +51,9 @@ class SettingsFile(FileSchema):
 
 
 def read_settings(path: Path | None) -> dict[str, Any]:
-    """Return the values of a settings file by key, such as ``station.name``.
+    """Return the values of a settings file by key, such as ``station.name``, or None.
 
-    A key that the file lacks has the value None. The returned paths are relative to the working
-    folder. Raises one SettingsError with all mistakes.
+    Paths are relative to the working folder. Raises one SettingsError with all mistakes.
     """
     file = read_toml(path, SettingsFile, SettingsError) if path else SettingsFile(schema=1)
     folder = path.absolute().parent if path else Path()
@@ -66,12 +65,13 @@ def read_settings(path: Path | None) -> dict[str, Any]:
         return None if written is None else folder / written
 
     golden, public = file.station.golden, file.keys.public
-    is_path = bool(golden) and Path(str(golden)).name != golden  # else it is the name of a table
-    is_key = bool(public) and PUBLIC_KEY.fullmatch(str(public))  # else it is the path of a file
+    if golden is not None and Path(golden).name != golden:  # a path, not the name of a table
+        golden = str(path_of(golden))
+    is_key = public is not None and PUBLIC_KEY.fullmatch(public)  # else the path of its file
     return {
         **{key: path_of(getattr(file, key)) for key in ("store", "vehicle", "map", "limits")},
         "station.name": file.station.name,
-        "station.golden": str(path_of(golden)) if is_path else golden,
+        "station.golden": golden,
         "station.export": file.station.export,
         "keys.public": public if is_key else path_of(public),
         "require_signed": file.require_signed,
@@ -80,11 +80,11 @@ def read_settings(path: Path | None) -> dict[str, Any]:
 
 
 class Project(NamedTuple):
-    """Settings as `read_settings` gives them, their ``file`` or None, the ``folders`` searched."""
+    """The settings that hold in the working folder, and where they come from."""
 
-    settings: dict[str, Any]
+    settings: dict[str, Any]  # as `read_settings` returns them
     file: Path | None
-    folders: tuple[Path, ...]
+    folders: tuple[Path, ...]  # in which the file was searched, the nearest first
 
 
 def find_project() -> Project:

@@ -22,9 +22,8 @@ _MAX_PARTS = 100  # of a dotted key; tomllib takes seconds and gigabytes for tho
 _KEY_PART_WITH_DOT = r"""(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+"""
 _LONG_KEY = re.compile(rf"(?<![\w-])(?:{_KEY_PART_WITH_DOT}){{{_MAX_PARTS}}}")
 
-
 _USUAL_UNITS = {"Pa": "bar", "m/s": "km/h", "m^2": "cm^2"}
-"""Units in which people write a quantity, where it is not its SI unit."""
+"""The unit in which people write a quantity, by SI unit, if it is another one."""
 
 
 def load_toml(path: Path, error: type[InputError]) -> dict[str, Any]:
@@ -43,7 +42,7 @@ def load_toml(path: Path, error: type[InputError]) -> dict[str, Any]:
 
 
 def nearest(word: str, words: Collection[str]) -> str | None:
-    """Return the known word that is most like ``word``; None if no word is similar.
+    """Return the word of ``words`` that is most like ``word``; None if none is similar.
 
     A word of the same letters is preferred, then a word with all parts of ``word``.
     """
@@ -61,7 +60,7 @@ def nearest(word: str, words: Collection[str]) -> str | None:
 
 
 def did_you_mean(word: str, words: Collection[str]) -> str:
-    """``did you mean 'mass'?``, or "" if no known word is similar."""
+    """A hint such as ``did you mean 'mass'?``, or "" if none of ``words`` is similar."""
     close = nearest(word, words)
     return f"did you mean {close!r}?" if close else ""
 
@@ -70,14 +69,13 @@ def quantity(value: object, si: str | None, where: object, error: type[InputErro
     """Return the number in SI of a quantity in a TOML file, such as ``"28.84 cm^2"``.
 
     ``si`` is the SI unit of the quantity, or None for any quantity. Only a dimensionless quantity
-    may be a plain number. Raises ``error`` at ``where`` for a missing or wrong unit, or a number
-    that is not finite.
+    may be a plain number. Raises ``error`` at ``where`` for any other value.
     """
     dimensionless = si in ("1", None)
     usual = _USUAL_UNITS.get(si or "1", si)
     written = value if isinstance(value, str) else repr(value)
     match = _QUANTITY.fullmatch(written.strip())
-    if match is None or match[2].startswith(","):
+    if match is None or match[2].startswith(","):  # a decimal comma
         expected = "a number" if dimensionless else f'a quantity such as "1.5 {usual}"'
         raise error(f"{shortened(value)} is not a quantity", where=where, expected=expected)
     number, unit = float(match[1]), match[2]

@@ -21,7 +21,7 @@ class UnknownUnit(ValueError):
 class Unit(NamedTuple):
     """A unit: SI value = written value * ``scale`` / ``per`` + ``offset``.
 
-    Factors below 1 are a ``per``: the double 28.84 / 1e4 is the nearest one, 28.84 * 1e-4 is not.
+    A factor below 1 is a ``per``, since 28.84 / 1e4 is rounded less than 28.84 * 1e-4.
     """
 
     scale: float = 1.0
@@ -36,7 +36,8 @@ QUANTITIES: dict[str, tuple[str, dict[str, Unit]]] = {}
 """The name of each quantity and its units by name; the keys are SI units."""
 for _row in _ROWS:
     _numbers = {name: float(_row[name]) for name in ("scale", "per", "offset") if _row[name]}
-    QUANTITIES.setdefault(_row["si"], (_row["quantity"], {}))[1][_row["unit"]] = Unit(**_numbers)
+    _, _units = QUANTITIES.setdefault(_row["si"], (_row["quantity"], {}))
+    _units[_row["unit"]] = Unit(**_numbers)
 _SPELLINGS = {spelt: row["unit"] for row in _ROWS for spelt in row["spellings"].split()}
 
 _SIGNS = str.maketrans({"²": "^2", "·": "*", "⋅": "*", "×": "*", " ": None})
@@ -66,15 +67,12 @@ def unit_of(unit: str, si: str) -> Unit:
 
 
 def unit_suffix(unit: str) -> str:
-    """Return the text of a unit after a number: a space and the unit, or "" for "1"."""
+    """Return what follows a number: a space and the unit, or "" for the unit "1"."""
     return "" if unit == "1" else f" {unit}"
 
 
 def si_of(unit: str) -> str:
-    """Return the SI unit of a written unit's quantity: ``"m^2"`` for ``"cm^2"``.
-
-    Raises `UnknownUnit`.
-    """
+    """Return the SI unit for a written unit: ``"m^2"`` for ``"cm^2"``. Raises `UnknownUnit`."""
     spelt = spelling(unit)
     for si, (_, units) in QUANTITIES.items():
         if spelt in units:
@@ -84,10 +82,9 @@ def si_of(unit: str) -> str:
 
 
 def to_si(values: Number, unit: str, si: str) -> Number:
-    """Convert ``values``, any shape, from a written ``unit`` in any known spelling to ``si``.
+    """Convert ``values``, any shape, from a written ``unit`` to the SI unit ``si``.
 
-    ``si`` decides the quantity: ``g`` is standard gravity for ``"m/s^2"``. Temperatures are
-    temperatures, not differences. Raises `UnknownUnit`.
+    Temperatures are temperatures, not differences. Raises `UnknownUnit` as `unit_of`.
     """
     conversion = unit_of(unit, si)
     return values * conversion.scale / conversion.per + conversion.offset
@@ -104,7 +101,7 @@ def from_si(values: Number, unit: str, si: str) -> Number:
 
 
 def is_unit(text: str, si: str | None = None) -> bool:
-    """Whether ``text`` is a known unit, if ``si`` is given of the quantity with that SI unit."""
+    """Whether ``text`` is a known unit; if ``si`` is given, of the quantity with that SI unit."""
     try:
         unit_of(text, si if si is not None else si_of(text))
     except UnknownUnit:

@@ -1,6 +1,6 @@
-"""Results with a picture and a page, which functions of `calib.show` make.
+"""Results with a picture and a page, which `calib.show` makes.
 
-`calib.base` must not import `calib.show`, so the package `calib` registers these functions here.
+No file of this room may import `calib.show`, so the package `calib` registers the functions.
 """
 
 from collections.abc import Callable

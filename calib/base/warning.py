@@ -2,10 +2,10 @@
 
     run --figure--> Measured --rules of its code, for a purpose--> PlausibilityWarning
 
-A figure is a function that measures one property of a run. A row of `rules.csv` is a rule: it says
-in which range that value must lie, and whether a value outside refuses the run, makes its result
-void, or gives a warning. A code may have several rows, for other purposes or consequences; an empty
-cell there is that of the first row.
+A figure is a function that measures properties of a run, each by its code, such as `a_x_scale`. A
+row of `rules.csv` is a rule: it says in which range the value of a code must lie, and whether a
+value outside refuses the run, makes its result void, or gives a warning. A code may have further
+rows, for other purposes or consequences, where an empty cell stands for the cell of the first row.
 """
 
 import json
@@ -24,29 +24,22 @@ REFUSE, VOID, WARN = "refuse", "void", "warn"
 
 
 class _Rule(NamedTuple):
-    """A row of `rules.csv`: a value of ``code`` must lie from ``low`` to ``high``.
-
-    ``figure`` measures the value, in ``unit``. A value within ``sigmas`` of its own standard
-    deviations from zero breaks no rule. ``purposes`` are the commands that ask for the rule.
-    ``needs`` is "vehicle", "logs", "table", "fit" or "". ``causes`` begin with the most likely one;
-    ``causes_below`` are those of a value below the range, if they are others. ``entails`` names
-    codes that follow from this one, so that they need no warning of their own.
-    """
+    """A row of `rules.csv`: a value of ``code`` must lie from ``low`` to ``high``."""
 
     code: str
-    title: str
-    figure: str
+    title: str  # words for the measured quantity
+    figure: str  # name of the function that measures it
     unit: str
-    purposes: tuple[str, ...]
+    purposes: tuple[str, ...]  # commands that ask for the rule
     consequence: str
-    needs: str
+    needs: str  # what must be known for it: "vehicle", "logs", "table", "fit" or ""
     low: float
     high: float
-    sigmas: float
-    causes: tuple[str, ...]
-    causes_below: tuple[str, ...]
-    do: str
-    entails: tuple[str, ...]
+    sigmas: float  # a value within so many of its standard deviations from zero breaks no rule
+    causes: tuple[str, ...]  # the most likely one first
+    causes_below: tuple[str, ...]  # those of a value below the range; empty: `causes`
+    do: str  # remedy
+    entails: tuple[str, ...]  # codes that follow from this code and need no warning of their own
 
 
 def _read(row: dict[str, str], first: dict[str, str]) -> _Rule:
@@ -62,42 +55,32 @@ def _read(row: dict[str, str], first: dict[str, str]) -> _Rule:
 
 
 _ROWS = rows("rules.csv")
-_FIRST_ROWS = {row["code"]: row for row in reversed(_ROWS)}
+_FIRST_ROWS = {row["code"]: row for row in reversed(_ROWS)}  # of a code, the first row is set last
 RULES = tuple(_read(row, _FIRST_ROWS[row["code"]]) for row in _ROWS)
 """All rules, in the order of the file."""
 
 _BY_CODE: dict[str, list[_Rule]] = {}
 for _rule in RULES:
     _BY_CODE.setdefault(_rule.code, []).append(_rule)
+UNITS = {code: rules[0].unit for code, rules in _BY_CODE.items()}
+"""Unit of the value of each code; a code that measures nothing has the value 1."""
+
 LIMITS = SimpleNamespace(
     **{row["name"]: json.loads(row["value"]) for row in rows("log_limits.csv")}
 )
 """Further limits for logs, by name; `log_limits.csv` has their units and reasons."""
 
-UNITS = {code: rules[0].unit for code, rules in _BY_CODE.items()}
-"""Unit of the value of each code.
-
-A code that measures nothing has the value 1. A metric beyond its limit gives a warning, too: its
-code is the key of the metric, which has no unit here.
-"""
-
 
 @dataclass(frozen=True)
 class PlausibilityWarning:
-    """A warning.
+    """A warning in its public shape. Raises NotFiniteError for a number that is not finite."""
 
-    ``code`` is a code of `UNITS` or the key of a metric. ``log`` is the name of the log, table or
-    vehicle. ``measured`` and ``expected`` are in the unit of the code; ``expected`` is the lower
-    and the upper bound, None where there is none. ``causes`` begin with the most likely one. ``do``
-    is the remedy. Raises NotFiniteError for a number that is not finite.
-    """
-
-    code: str
-    log: str
-    measured: float
-    expected: tuple[float | None, float | None]
-    causes: tuple[str, ...]
-    do: str
+    code: str  # of a rule, or the key of a metric that is outside its limits
+    log: str  # name of the log, table or vehicle
+    measured: float  # in the unit of the code
+    expected: tuple[float | None, float | None]  # lower and upper bound, None where there is none
+    causes: tuple[str, ...]  # the most likely one first
+    do: str  # remedy
 
     def __post_init__(self) -> None:
         for number in (self.measured, *self.expected):
@@ -113,14 +96,15 @@ class PlausibilityWarning:
         text = f"{self.title} ({self.code})"
         is_yes_or_no = UNITS.get(self.code) == "1" and self.expected == (0.0, 0.0)
         if not is_yes_or_no:
-            text = f"{text} is {self.amount}, expected {self.bounds}"
-        return "; ".join([text, *(f"likely {cause}" for cause in self.causes[:1]), self.do])
+            text += f" is {self.amount}, expected {self.bounds}"
+        if self.causes:
+            text += f"; likely {self.causes[0]}"
+        return f"{text}; {self.do}"
 
     @property
     def title(self) -> str:
-        """Words for the quantity that was measured: those of its rule, or of its metric."""
-        rules = _BY_CODE.get(self.code)
-        title = rules[0].title if rules else ""
+        """Words for the measured quantity, of its rule if that has a title, else of its metric."""
+        title = _BY_CODE[self.code][0].title if self.code in _BY_CODE else ""
         return title or metric_of(self.code).name
 
     @property
@@ -137,49 +121,44 @@ class PlausibilityWarning:
 
 @dataclass(frozen=True)
 class Measured:
-    """A measured value of a ``code`` with its standard deviation ``sigma``.
-
-    ``value`` is in the unit in which `rules.csv` gives the range. ``to_display``, an increasing
-    function, converts it to the unit of the warning. ``words`` fill the placeholders in the causes
-    and the remedy of the rule, such as {channel}.
-    """
+    """A measured value of a ``code`` with its standard deviation ``sigma``."""
 
     code: str
-    value: float
+    value: float  # in the unit in which `rules.csv` gives the range
     sigma: float = 0.0
-    to_display: Callable[[float], float] = float
+    to_display: Callable[[float], float] = float  # converts to the unit of the warning; increases
     words: Mapping[str, object] = field(default_factory=dict)
+    """For the placeholders in the causes and the remedy of the rule, such as {channel}."""
 
 
 def relative(code: str, value: float, usual: float) -> Measured:
-    """Return the change of a value relative to its ``usual`` value [1]; people see the value."""
+    """Return a value that is judged by its change relative to ``usual`` [1], and shown as it is."""
     return Measured(code, value / usual - 1.0, to_display=lambda change: (1.0 + change) * usual)
 
 
 def rule_warnings(
     log: str,
-    measured: Iterable[Measured],
+    values: Iterable[Measured],
     purpose: str | None = None,
     consequences: Collection[str] = (WARN,),
 ) -> tuple[PlausibilityWarning, ...]:
-    """Return a warning for each measured value that breaks a rule.
+    """Return a warning for each value that breaks a rule.
 
     Only rules of the ``purpose`` (None: of any) with one of the ``consequences`` count. Of several
     broken rules of a code, the first one counts: it is the gravest.
     """
     warnings = []
-    for value in measured:
-        for rule in _BY_CODE[value.code]:
+    for measured in values:
+        for rule in _BY_CODE[measured.code]:
             counts = rule.consequence in consequences and purpose in (None, *rule.purposes)
-            low, high = _range(rule, value.sigma)
-            if counts and (value.value < low or value.value > high):
-                warnings.append(_warning(rule, log, value, low, high))
+            low, high = _range(rule, measured.sigma)
+            if counts and (measured.value < low or measured.value > high):
+                warnings.append(_warning(rule, log, measured, low, high))
                 break
     return tuple(warnings)
 
 
 def _range(rule: _Rule, sigma: float) -> tuple[float, float]:
-    """The range of a rule for a value with the standard deviation ``sigma``."""
     margin = rule.sigmas * sigma
     if margin == 0.0:
         return rule.low, rule.high
@@ -190,13 +169,12 @@ def _warning(
     rule: _Rule, log: str, measured: Measured, low: float, high: float
 ) -> PlausibilityWarning:
     lower, upper = (measured.to_display(x) if math.isfinite(x) else None for x in (low, high))
-    is_below = measured.value < low and bool(rule.causes_below)
-    cells = rule.causes_below if is_below else rule.causes
-    filled = [cell.format(**measured.words) for cell in cells]
-    causes = tuple(cause for cell in filled for cause in texts_of(cell))
-    do = rule.do.format(**measured.words)
-    value = measured.to_display(measured.value)
-    return PlausibilityWarning(measured.code, log, value, (lower, upper), causes, do)
+    causes = rule.causes
+    if measured.value < low and rule.causes_below:
+        causes = rule.causes_below
+    filled = "|".join(causes).format(**measured.words)  # a word may be several causes, or none
+    do, value = rule.do.format(**measured.words), measured.to_display(measured.value)
+    return PlausibilityWarning(rule.code, log, value, (lower, upper), texts_of(filled), do)
 
 
 def unexplained(
@@ -212,9 +190,9 @@ def unexplained(
         first = _BY_CODE[warning.code][0]
         if not first.low <= warning.measured <= first.high:
             explained.update(first.entails)
-    places = {code: place for place, code in enumerate(_BY_CODE)}
+    codes = list(_BY_CODE)
     remaining = [warning for warning in candidates if warning.code not in explained]
-    return tuple(sorted(remaining, key=lambda warning: places[warning.code]))
+    return tuple(sorted(remaining, key=lambda warning: codes.index(warning.code)))
 
 
 def bounds_of(code: str) -> tuple[float, float]:

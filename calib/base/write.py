@@ -7,7 +7,7 @@
 
 The verdict is the file by which people see whether a run is complete, such as `summary.json`. The
 old verdict is removed first and the new verdict moved last. So a killed run leaves the old run, the
-new run, or no verdict; the next run deletes its work folder. No file is replaced or removed while
+new run, or no verdict; the next run deletes the work folder. No file is replaced or removed while
 it is open or locked, which Windows forbids.
 """
 
@@ -22,7 +22,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path, PurePosixPath
 
 _LOCK = ".lock"  # lock file of a folder, and end of the name of a work folder's lock file
-_WORK = ".making-"  # begin of the name of a work folder
+_WORK = ".making-"  # begins the name of a work folder
 _WAITS = (0.02, 0.1, 0.5, 2.0)  # for a file that a reader or scanner has open on Windows [s]
 
 
@@ -62,19 +62,24 @@ def locked_folder(folder: Path) -> Iterator[None]:
     A missing folder is made, and removed if it is empty at the end. The lock holds between
     computers if the file system supports that.
     """
+    with _removed_if_new_and_empty(folder), _locked(folder / _LOCK):
+        yield
+
+
+@contextmanager
+def _removed_if_new_and_empty(folder: Path) -> Iterator[None]:
     is_new = not folder.exists()
     try:
-        with _locked(folder / _LOCK):
-            yield
+        yield
     finally:
         if is_new:
-            with suppress(OSError):
+            with suppress(OSError):  # the folder is missing, or holds files
                 folder.rmdir()
 
 
 @contextmanager
 def _locked(path: Path, wait: bool = True) -> Iterator[None]:
-    """Hold the lock file ``path``, which is removed afterwards; its folder is made.
+    """Make a lock file and its folder, hold the lock within the context, and remove the file.
 
     Raises BlockingIOError if another process holds the lock and ``wait`` is false, else OSError.
     """
@@ -139,12 +144,11 @@ def _flush(handle: int) -> None:
 def work_folder(out: Path) -> Iterator[Path]:
     """Make a hidden work folder in ``out``, so on the same file system; delete it afterwards.
 
-    Work folders of killed runs are deleted, too. If ``out`` is made here and stays empty, it is
-    removed. Raises OSError at once if ``out`` cannot be written.
+    Work folders of killed runs are deleted, too. A missing ``out`` is made, and removed if it stays
+    empty. Raises OSError at once if ``out`` cannot be written.
     """
-    is_new = not out.exists()
-    out.mkdir(parents=True, exist_ok=True)
-    try:
+    with _removed_if_new_and_empty(out):
+        out.mkdir(parents=True, exist_ok=True)
         _delete_abandoned(out)
         work = out / f"{_WORK}{secrets.token_hex(4)}"
         with _locked(work.with_name(f"{work.name}{_LOCK}")):
@@ -153,10 +157,6 @@ def work_folder(out: Path) -> Iterator[Path]:
                 yield work
             finally:
                 shutil.rmtree(work, ignore_errors=True)
-    finally:
-        if is_new:
-            with suppress(OSError):
-                out.rmdir()
 
 
 def _delete_abandoned(out: Path) -> None:
@@ -179,17 +179,17 @@ def publish(
     are removed. Returns the paths of the new files. Raises OSError.
     """
     files = (path for path in work.rglob("*") if not path.is_dir())
-    names = sorted(path.relative_to(work).as_posix() for path in files)
-    others = [name for name in names if name != verdict]
-    refuse_obstacles(out, [*others, verdict])
+    names = {path.relative_to(work).as_posix() for path in files}
+    others = sorted(names - {verdict})
+    in_order = [*others, verdict]
+    refuse_obstacles(out, in_order)
     for path in work.rglob("*"):
         sync(path)
     with locked_folder(out):
-        named = list(stale(out)) if stale else []
-        old = {name for name in named if name not in names and _is_inside(out, name)}
+        earlier = list(stale(out)) if stale else []
         _remove(out, [verdict])
         sync(out)
-        _remove(out, old)
+        _remove(out, [name for name in earlier if name not in names and _is_inside(out, name)])
         try:
             for name in others:
                 _move(name, work, out)
@@ -198,9 +198,9 @@ def publish(
             _move(verdict, work, out)
             sync(out)
         except BaseException:
-            _remove(out, [*others, verdict])
+            _remove(out, in_order)
             raise
-    return [out / name for name in (*others, verdict)]
+    return [out / name for name in in_order]
 
 
 def _move(name: str, work: Path, out: Path) -> None:
