@@ -1,14 +1,14 @@
 """The force balance of a car: the forces of tyres and brakes at a given deceleration.
 
     W z = tyre forces + body forces
-    tyre force of an axle = brake force + other moments on the wheels/R
+    tyre force of an axle = brake force + (other moments on its wheels)/R
 
 Body forces are those of known effects, such as air drag. The other moments come from known effects,
 from the inertia of the wheels, and from a logged torque of engine or motor. Valid for quasi-static
 loads in a straight line.
 
-The second half of the file has the distribution of the brake force between the axles, for equal
-pressure on both axles and without drag, slip control and wheel inertia, as in (9):
+After it comes the distribution of the brake force between the axles, for equal pressure on both
+axles and without drag, slip control and wheel inertia, as in (9):
 
     F |      front ___.--      an axle locks where its normalised force F reaches the friction
       | __.--'  .--'           of the road: the axle with the larger F locks first
@@ -42,7 +42,7 @@ class ForceBalance:
     load_f, load_r : axle loads (6), (7), with the known effects on them.
     drag_f, drag_r : moments on the wheels besides the brakes, over the rolling radius. The inertia
         of slowing wheels, which drives the car on, makes them smaller.
-    drag_no_inertia_f, drag_no_inertia_r : the same without the inertia of the wheels.
+    drag_no_inertia_f, drag_no_inertia_r : such moments without the inertia of the wheels, over R.
     body : sum of the forces that slow the body directly.
     tyre_sum : sum of all tyre forces (5), (17).
     """
@@ -89,7 +89,7 @@ def force_balance(
         drive = (np.zeros_like(z), np.zeros_like(z))
     net_moments = [moment - torque for moment, torque in zip(moments, drive, strict=True)]
     drag_f, drag_r = (
-        np.asarray((moment + 2.0 * axle.wheel_inertia * rate) / axle.rolling_radius)  # (1)
+        (moment + 2.0 * axle.wheel_inertia * rate) / axle.rolling_radius  # (1)
         for axle, moment, rate in zip(axles, net_moments, spin, strict=True)
     )
     body = total_body_force(vehicle, effects, motion)
@@ -133,18 +133,16 @@ def brake_forces(
     ``log_ratio`` is ln of front over rear pad friction, less that of the vehicle file [1]: the
     nominal front pads are multiplied by exp(log_ratio/2), the rear pads are divided by it.
     """
-    front, rear = vehicle.front, vehicle.rear
-    gain_f = 2.0 * front.torque_gain * front.pad_friction / front.rolling_radius
-    gain_r = 2.0 * rear.torque_gain * rear.pad_friction / rear.rolling_radius
+    gain_f, gain_r = force_per_pressure(vehicle)
     factor = np.exp(0.5 * np.asarray(log_ratio))
     return gain_f * factor * p_f, gain_r / factor * p_r
 
 
 def force_per_pressure(vehicle: Vehicle) -> tuple[float, float]:
     """Brake force of the front and of the rear axle at the road per pressure [N/Pa], (2)."""
-    unit = np.ones(1)
-    front, rear = brake_forces(vehicle, unit, unit)
-    return float(front[0]), float(rear[0])
+    front, rear = vehicle.front, vehicle.rear
+    gain_f = 2.0 * front.torque_gain * front.pad_friction / front.rolling_radius
+    return gain_f, 2.0 * rear.torque_gain * rear.pad_friction / rear.rolling_radius
 
 
 def pressure_per_g(vehicle: Vehicle) -> float:
@@ -164,11 +162,10 @@ def front_share(vehicle: Vehicle, log_ratio: T) -> T:
 
 
 def front_biased_up_to(vehicle: Vehicle) -> float:
-    """z [1] at which F_f = F_r with nominal pads; below it the front axle has the larger F.
+    """z [1] up to which the front axle has the larger F with nominal pads; zero if it never has.
 
-    There the front axle has the same share in the brake force as in the load: phi L = l_r + z h, by
-    (2), (6), (9). Infinite without a rear brake; zero where the rear axle has the larger F at every
-    z.
+    At this z the front axle has the same share in the brake force as in the load, by (2), (6), (9):
+    phi L = l_r + z h. Infinite without a rear brake.
     """
     phi = front_share(vehicle, 0.0)
     z = (phi * vehicle.wheelbase - vehicle.cg_to_rear_axle) / vehicle.cg_height

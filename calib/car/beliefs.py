@@ -19,8 +19,7 @@ class Belief(NamedTuple):
     """A normal prior in the unit of its row; a fixed number where ``sigma`` is 0.
 
     ``model`` is the variance among cars of one model over the variance among all cars.
-    ``tyre_file`` is the standard deviation of the value that a tyre file gives; ``sigma`` where the
-    row has none.
+    ``tyre_file`` is the standard deviation of a value from a tyre file, by default ``sigma``.
     """
 
     mean: float
@@ -30,10 +29,7 @@ class Belief(NamedTuple):
 
 
 class Mixture(NamedTuple):
-    """A mixture of normal priors: ``share``, ``mean`` and ``sigma`` (k,) of its k ``cases``.
-
-    The shares are relative: their sum need not be 1.
-    """
+    """A mixture of normal priors: ``mean``, ``sigma`` and relative ``share`` (k,) by case."""
 
     cases: tuple[str, ...]
     share: Array
@@ -56,11 +52,8 @@ class Mixture(NamedTuple):
 
 
 STIFFENING, DRY_PEAK = 0.25, 0.9
-"""Change of the tyres' slip stiffness with the road [1], and peak on dry asphalt [1].
-
-On a road with the tyre peak mu, ln(stiffness) changes by STIFFENING ln(mu/DRY_PEAK). The rows
-`log_stiffness` give the variation about this mean.
-"""
+"""On a road with the tyre peak mu [1], the ln of the slip stiffness changes by STIFFENING
+ln(mu/DRY_PEAK). The rows `log_stiffness` give the variation about this mean."""
 
 
 class Car(NamedTuple):
@@ -118,27 +111,23 @@ Group = TypeVar("Group", Car, Sensor, Log, Stop)
 def beliefs_of(group: type[Group], table: list[Row]) -> Group:
     """Return the priors of a group from the rows of `beliefs.csv`.
 
-    Raises ValueError for a row without a field, a field without a row, a row that occurs twice, a
-    quantity with two units, and a cell that is not a number.
+    Raises ValueError if rows and fields do not match, for a row that occurs twice, a quantity with
+    two units, and a cell that is not a number.
     """
     kinds = get_type_hints(group)  # Belief or Mixture by field
     group_rows = [row for row in table if row["group"] == group.__name__.lower()]
     unmatched = kinds.keys() ^ {row["quantity"] for row in group_rows}
     if unmatched:
         raise ValueError(f"a row without a field, or a field without a row: {', '.join(unmatched)}")
-    _require_one_unit(table)
+    units: dict[str, str] = {}
+    for row in table:
+        if units.setdefault(row["quantity"], row["unit"]) != row["unit"]:
+            raise ValueError(f"two units of {row['quantity']}")
     priors: dict[str, Any] = {}
     for name, kind in kinds.items():
         field_rows = [row for row in group_rows if row["quantity"] == name]
         priors[name] = _mixture(name, field_rows) if kind is Mixture else _belief(name, field_rows)
     return group(**priors)
-
-
-def _require_one_unit(table: list[Row]) -> None:
-    units: dict[str, str] = {}
-    for row in table:
-        if units.setdefault(row["quantity"], row["unit"]) != row["unit"]:
-            raise ValueError(f"two units of {row['quantity']}")
 
 
 def _belief(name: str, field_rows: list[Row]) -> Belief:

@@ -22,11 +22,7 @@ from calib.car.vehicle import Axle
 
 @dataclass(frozen=True)
 class Brakes:
-    """The brakes in one run.
-
-    ``model`` is the car with all effects on it; ``clamp`` are the clamping pressures [Pa] (n,) of
-    the computed wheels.
-    """
+    """The brakes in one run: the ``model``, and clamping pressures [Pa] (n,) of computed wheels."""
 
     model: Model
     clamp: dict[str, Array]

@@ -1,7 +1,4 @@
-"""Characteristics of a car with its nominal pads: loads, torques, share of the front axle.
-
-Drag and the inertia of the wheels are neglected, as in (9).
-"""
+"""Characteristics of a car with its nominal pads; drag and wheel inertia are neglected (9)."""
 
 from typing import Any
 

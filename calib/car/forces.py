@@ -63,11 +63,11 @@ def slip(axle: Axle, omega: Array, v: Array) -> Array:
 
 
 def mean_slip(vehicle: Vehicle, load_f: Array, omega_f: Array, omega_r: Array, v: Array) -> Array:
-    """Mean slip of the axles [1] (n,), weighted by their loads, from (19), (20).
+    """Mean slip of the axles [1] (n,), weighted by their loads, from (19), (20); NaN at rest.
 
     ``load_f`` is the load of the front axle [N], ``omega_f`` and ``omega_r`` are the mean wheel
     speeds of the axles [rad/s], ``v`` [m/s]; all (n,). The slip that the sensors read while the car
-    rolls freely is not subtracted. NaN where the car is at rest.
+    rolls freely is not subtracted.
     """
     share = load_f / vehicle.weight
     rim_speed = share * vehicle.front.rolling_radius * omega_f  # R omega, weighted [m/s]

@@ -1,8 +1,4 @@
-"""A run as the effects see it: its history, its state, and the temperature of its discs.
-
-`RunHistory` is a run over time, for effects that depend on the past, such as fade. `Motion` is the
-state that a force or moment depends on at each moment.
-"""
+"""A run as the effects see it: over time, its state at each moment, and its disc temperatures."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -78,7 +74,7 @@ class RunHistory:
 
 @dataclass(frozen=True)
 class Motion:
-    """Speed ``v`` [m/s], axle loads [N] and the ``history`` of the run; arrays of one shape."""
+    """State on which a force or moment depends: speed [m/s], axle loads [N], ``history``."""
 
     v: Array
     load_f: Array
@@ -94,10 +90,9 @@ def constant_speed(
     source: str = "",
     start_heat: tuple[float, float] = COLD,
 ) -> RunHistory:
-    """Return a run of which only pressure and temperatures are known, at the speed ``v0`` [m/s].
+    """Return a run at the speed ``v0`` [m/s], whose angles, energies and deceleration are zero.
 
-    ``time`` [s], ``p_mc`` [Pa] and ``temperature`` [degC], by axle, have the shape (n,). Angles,
-    energies and deceleration are zero.
+    ``time`` [s], ``p_mc`` [Pa] and ``temperature`` [degC], by axle, have the shape (n,).
     """
     by_axle, zero = temperature or {}, np.zeros_like(time)
     return RunHistory(
@@ -116,8 +111,7 @@ def constant_speed(
     )
 
 
-_AIR = 20.0
-"""Temperature of the air [degC]."""
+_AIR = 20.0  # temperature of the air [degC]
 
 
 def disc_temperature(time: Array, energy: Array, heat_capacity: float, start: float) -> Array:

@@ -1,13 +1,8 @@
 """The keys of a vehicle file, from `keys.csv`, and an example file with comments on each key.
 
-    # mass M_v of the car as driven ...
-    # measure: weigh it ready to drive ...
-    # usual: 700 to 4500 kg
-    mass = "1744 kg"
-
-The example is the reference car, `sedan-2up`, of Tables I and II of the paper. Usual ranges are for
-passenger cars and vans; a value outside gives a warning. The wider bounds, from a microcar to a
-heavy coach, detect a wrong unit or decimal point; a value outside them is an error.
+The example is the reference car of Tables I and II of the paper. A value outside the usual range of
+passenger cars and vans gives a warning. A value outside the wider bounds, from a microcar to a
+heavy coach, has a wrong unit or decimal point and is an error.
 """
 
 import json
@@ -29,8 +24,8 @@ class VehicleKey:
 
     ``section`` is "" for a key before the sections. ``unit`` is "" for a text, "1" for a number
     without unit. ``low`` to ``high`` is the usual range in ``unit``; ``too_low`` and ``too_high``
-    are likely causes of a value outside. ``least`` and ``most`` are the bounds [SI]. ``example`` is
-    the value in the example file, ``measure`` says how to measure it.
+    are likely causes of a value outside. ``least`` and ``most`` are the bounds [SI]. ``measure``
+    says how to measure the value.
     """
 
     section: str
@@ -54,13 +49,13 @@ class VehicleKey:
 
     @property
     def default(self) -> float | None:
-        """Value [SI] of an optional key that a file does not give; None if it has no default."""
+        """Value [SI] where a file does not give an optional key; None if there is no default."""
         owner = Axle if self.section in (FRONT, REAR) else Vehicle
         value: float | None = getattr(owner, self.name)
         return value
 
     def value_of(self, vehicle: Vehicle) -> float:
-        """The value in a vehicle, in ``unit``; only for numbers."""
+        """The value in a vehicle, in ``unit``; only for a key that holds a number."""
         owners: dict[str, Vehicle | Axle] = {FRONT: vehicle.front, REAR: vehicle.rear}
         value = getattr(owners.get(self.section, vehicle), self.name)
         return from_si(float(value), self.unit, si_of(self.unit))
@@ -103,7 +98,6 @@ def vehicle_text() -> str:
 
 
 def _commented(key: VehicleKey) -> str:
-    """Return the lines of a key in the example file."""
     measure = f"measure: {key.measure}" if key.unit else key.measure
     comments = [*textwrap.wrap(key.meaning, 96), *textwrap.wrap(measure, 96)]
     if key.unit:

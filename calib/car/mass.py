@@ -1,4 +1,4 @@
-"""The mass of the car in a log: that of the vehicle file, or one that was stated for the log."""
+"""The mass of the car in a log: the mass of the vehicle file, or a mass stated for the log."""
 
 from dataclasses import dataclass, replace
 
@@ -16,10 +16,10 @@ WEIGHED = 0.005
 
 @dataclass(frozen=True)
 class MassUsed:
-    """The mass that a result used: ``value`` [kg], ``tolerance`` its relative deviation [1].
+    """The mass that a result used: ``value`` [kg] with the relative standard ``tolerance`` [1].
 
-    The tolerance is one standard deviation. ``stated`` says whether the mass was given for these
-    logs. ``share`` is the mass over that of the vehicle file [1].
+    ``stated`` says whether the mass was given for these logs; ``share`` is the mass over that of
+    the vehicle file [1].
     """
 
     value: float
@@ -44,9 +44,9 @@ class MassUsed:
 def with_mass(vehicle: Vehicle, mass: float | None) -> Vehicle:
     """Return the vehicle with a stated ``mass`` [kg], or unchanged with None.
 
-    The effect ``mass_error`` is dropped, and the tolerance is at most `WEIGHED`. The centre of
-    gravity does not move, so this is not valid for a load high up or far behind. Raises
-    VehicleError for a mass outside of `_SHARES`.
+    The effect ``mass_error`` is dropped, and the tolerance is at most `WEIGHED`. Not valid for a
+    load high up or far behind, since the centre of gravity does not move. Raises VehicleError for a
+    mass outside of `_SHARES`.
     """
     if mass is None:
         return vehicle

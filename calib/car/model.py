@@ -18,11 +18,10 @@ WET_ASPHALT = MagicFormula(stiffness=25.0, peak=0.9)
 
 @dataclass(frozen=True)
 class Model:
-    """A car that can be simulated.
+    """A car that can be simulated; the ``tyre`` is common to both axles.
 
     ``vehicle`` gives masses, lengths and brakes. Its pad friction and its effects are replaced by
-    ``pad_friction_f`` and ``pad_friction_r`` [1] and by ``effects``. The ``tyre`` is common to both
-    axles.
+    ``pad_friction_f`` and ``pad_friction_r`` [1] and by ``effects``.
     """
 
     vehicle: Vehicle
@@ -68,7 +67,7 @@ def with_model(vehicle: Vehicle, model: Model) -> Vehicle:
 
 
 def _checked(card: Card, values: Mapping[str, float], where: str) -> dict[str, float]:
-    """Return parameters [SI] of one effect. Raises ModelError where its card forbids them."""
+    """Return the ``values`` [SI] of an effect's parameters. Raises ModelError for a wrong one."""
     allowed = {parameter.name: parameter for parameter in card.parameters}
     for key in values:
         if key not in allowed:

@@ -65,7 +65,7 @@ class _TyreSection(Section):
 
 
 class _EmpiricalSection(Section):
-    """An empirical term, as in `EmpiricalTerm`: values at the knots of a driver, in SI."""
+    """An empirical term, as in `EmpiricalTerm`."""
 
     place: Annotated[str, OneOf(tuple(PLACES))]
     driver: Annotated[str, OneOf(tuple(DRIVERS))]
@@ -80,7 +80,6 @@ class _EmpiricalSection(Section):
 
 
 def _effects_section(effects: Mapping[str, Effect]) -> type[ByName]:
-    """Return the schema of effects: their parameters, with the units and ranges of their cards."""
     entries = {}
     for name, effect in effects.items():
         keys: dict[str, tuple[Any, Any]] = {}
@@ -100,7 +99,7 @@ class _DefinedInSection(Section):
 
 
 class _OwnEffects(Section, extra="ignore"):
-    """The part of a model file that is read first, since the schema of the effects needs it."""
+    """The key of a model file that is read first: it decides on the schema of the effects."""
 
     own_effects: dict[str, _DefinedInSection] = Field(default_factory=dict)
 
@@ -119,7 +118,6 @@ def read_model(path: Path, vehicle: Vehicle) -> Model:
     """Read a model file; parts that the file does not have are as in `default_model`.
 
     Effects of the user must be given with the vehicle, see `calib.car.effects.catalogue.with_own`.
-
     Raises ModelError for a file that is missing, not TOML or of another schema; for an unknown key,
     effect or unit; for a missing parameter; for a value out of its range; and for an effect of the
     user whose file was not given or has changed.
@@ -151,7 +149,7 @@ def read_model(path: Path, vehicle: Vehicle) -> Model:
 def _user_defined(
     document: Mapping[str, Any], effects: Effects, path: Path
 ) -> dict[str, DefinedIn]:
-    """Return the effects of the user. Raises ModelError for one without its file."""
+    """Return the effects of the user by name. Raises ModelError if a file was not given."""
     sections = validated(document, _OwnEffects, path, ModelError).own_effects
     defined = {name: DefinedIn(entry.file, entry.sha256) for name, entry in sections.items()}
     files = {name: x for name, x in effects.user_defined.items() if isinstance(x, OwnEffect)}

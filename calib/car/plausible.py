@@ -1,9 +1,8 @@
-"""Warnings about a vehicle file whose values no usual car has.
+"""Warnings about a vehicle file with values that no usual car has.
 
-The values are those of the file, with ranges in `keys.csv`, and figures that follow from them, such
-as the pressure per g, with ranges in `figures.csv`. The ranges include cars from a microcar to a
-laden van, with some margin (tests/studies/results/vehicle_mistakes.md), so a mass that is 10 %
-wrong gives no warning.
+`keys.csv` has the usual ranges of the values in the file, `figures.csv` those of figures that
+follow from them, such as the pressure per g. The ranges include cars from a microcar to a laden
+van, so a mass that is 10 % wrong gives no warning (tests/studies/results/vehicle_mistakes.md).
 """
 
 import math
@@ -17,8 +16,7 @@ from calib.car.balance import front_biased_up_to, front_share, lock_efficiency, 
 from calib.car.keys import CHASSIS, KEYS, VehicleKey
 from calib.car.vehicle import Vehicle
 
-_GOOD_ROAD = 0.8
-"""Friction [1] of the road for `lock_efficiency`, which dry asphalt always has."""
+_GOOD_ROAD = 0.8  # friction [1] that dry asphalt always has, for `lock_efficiency`
 
 LEAST_FRONT_BIASED = limit_of("front_biased_up_to", "low")
 """Deceleration [g] up to which the front axle must lock first.
@@ -46,9 +44,9 @@ _FIGURE_OF: dict[str, Callable[[Vehicle], float]] = {
 
 
 class _Figure(NamedTuple):
-    """A figure with its usual range in the unit of ``code``, and the remedy ``do``.
+    """A figure with its usual range, the likely causes of a value outside, and the remedy ``do``.
 
-    ``too_low`` and ``too_high`` are likely causes of a value outside the range.
+    ``code`` is that of the warning, and its unit is the unit of the range.
     """
 
     code: str
@@ -67,8 +65,8 @@ def _figure_of_key(key: VehicleKey) -> _Figure:
 
 
 def _figure_of_row(row: dict[str, str]) -> _Figure:
-    """Return the figure of a row; where the row has no lower bound, the station's limit counts."""
     code, causes = row["code"], (texts_of(row["too_low"]), texts_of(row["too_high"]))
+    # a row without a lower bound has that of the station
     low, high = float(row["low"] or limit_of(code, "low")), float(row["high"] or math.inf)
     return _Figure(code, _FIGURE_OF[code], low, high, *causes, row["do"])
 

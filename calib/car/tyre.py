@@ -6,10 +6,10 @@
       |  / slope K
       +-/----------------> lambda
 
-F is the tyre force over the load F_z of the axle, lambda the slip. The slip stiffness K, at half of
-the weight W on the axle, falls with the load by s = (2 F_z/W)^q, and the peak by (2 F_z/W)^-p. The
-bend b curves the formula at zero slip, as does the brush model, where the end of the contact patch
-slides at once: F = K lambda (1 - K lambda/(3 mu) + ...); b = C/3 has this curvature.
+F is the tyre force over the load F_z of the axle, lambda the slip. K and mu hold at a load of half
+the weight W. At the load F_z, the slip is multiplied by s = (2 F_z/W)^q and mu by (2 F_z/W)^-p. The
+bend b curves the formula at zero slip. A brush model, where the end of the contact patch slides at
+once, has F = K lambda (1 - K lambda/(3 mu) + ...), which is the curvature of b = C/3.
 
 This is the steady state. The force builds up over the relaxation length sigma, so the slip of the
 wheel is larger than the slip that carries the force by (sigma/v) dlambda/dt.
@@ -57,8 +57,7 @@ class MagicFormula:
     def force(self, slip: Array, relative_load: Array | float = 1.0) -> Array:
         """Normalised force F [1] at braking ``slip`` [1] and an axle load over half the weight [1].
 
-        An odd function of the slip. Valid beyond the peak too, but not for a locked wheel, which
-        heats up.
+        F is odd in the slip, and valid beyond the peak too, but not for a locked, hot wheel.
         """
         peak = self.peak_at(relative_load)
         bx = self._without_bend(slip / self._load_factor(relative_load), peak)
@@ -75,7 +74,8 @@ class MagicFormula:
     ) -> tuple[Array, Array, NDArray[np.bool_]]:
         """Slip [1] at the normalised ``force`` [1] on the rising branch, and dF/dlambda [1] there.
 
-        A force above the share ``edge`` of the peak is cut to it; the third result says where.
+        A force above the share ``edge`` of the peak is cut to this share; the third result is a
+        mask of such forces.
         """
         peak, load_factor = self.peak_at(relative_load), self._load_factor(relative_load)
         share = force / peak
@@ -88,9 +88,8 @@ class MagicFormula:
     def wheel_slip(self, slip: Array, v: Array, time: Array) -> Array:
         """Slip [1] (n,) of the wheel while ``slip`` (n,) carries the force, by the relaxation.
 
-        ``time`` [s] (n,); ``v`` [m/s] (n,), of which `MOVING` is the least that counts. Valid for a
-        lag that is short against the changes of the slip, and not near the peak, where the
-        relaxation length falls.
+        ``time`` [s] (n,); ``v`` [m/s] (n,) counts as at least `MOVING`. Valid for a lag that is
+        short against the changes of the slip; not near the peak, where the relaxation length falls.
         """
         if self.relaxation == 0.0:
             return slip
@@ -98,7 +97,7 @@ class MagicFormula:
         return np.asarray(slip + lag * np.gradient(slip, time))
 
     def slip_at(self, fraction: float, relative_load: Array | float = 1.0) -> Array:
-        """Slip [1] where C atan(B x) is the ``fraction`` of pi/2, which is 1 at the peak."""
+        """Slip [1] where C atan(B x) is this ``fraction`` of pi/2, its value at the peak."""
         bx = np.tan(0.5 * np.pi * fraction / self.shape)
         return self._with_bend(bx, self.peak_at(relative_load), self._load_factor(relative_load))
 
@@ -116,14 +115,13 @@ class MagicFormula:
         return np.asarray(without_bend / (1.0 + 2.0 * self.bend * np.abs(bx)))
 
     def _without_bend(self, slip: Array, peak: Array | float) -> Array:
-        """B x at the ``slip`` over s: the root of (1 + b B x) B x = B slip that is stable."""
+        """B x at the ``slip`` over s, from (1 + b B x) B x = B slip in a form that allows b = 0."""
         b_slip = self._b(peak) * slip
         return b_slip * 2.0 / (1.0 + np.sqrt(1.0 + 4.0 * self.bend * np.abs(b_slip)))
 
     def _with_bend(
         self, bx: Array | float, peak: Array | float, load_factor: Array | float
     ) -> Array:
-        """Slip at B x and the load factor s."""
         x = bx * (1.0 + self.bend * np.abs(bx)) / self._b(peak)
         return np.asarray(x * load_factor)
 

@@ -50,7 +50,7 @@ _LINE = re.compile(r"^[ \t]*(\w++)[ \t]*=[ \t]*'?([^\s$!']+)", re.MULTILINE)
 class TyreFile:
     """The ``keys`` [SI] of a file that concern braking, and the ``digest`` of its bytes.
 
-    ``name`` is the file's name without folder and ending; ``source`` is its path, for messages.
+    ``name`` is the file's name without folder and ending; ``source`` is its path.
     """
 
     name: str
@@ -65,7 +65,7 @@ class TyreFile:
     def at_load(self, load: float) -> tuple[float, float]:
         """Slip stiffness over load [1], and peak [1], at a wheel ``load`` [N].
 
-        Raises TyreError where the load or a result is not that of a usual tyre.
+        Raises TyreError if the load or a result is not that of a usual tyre.
         """
         k, d = self.keys, self.over_nominal(load) - 1.0
         stiffness = (k["PKX1"] + k["PKX2"] * d) * math.exp(k["PKX3"] * d) * k["LKX"]
@@ -82,10 +82,7 @@ class TyreFile:
         return stiffness, peak
 
     def curve(self, load: float) -> tuple[Array, Array]:
-        """The tyre curve up to the peak at a wheel ``load`` [N], as two columns [1] (n,).
-
-        The first is F/mu, which rises from 0 to 1; the second is slip times stiffness over mu.
-        """
+        """The tyre curve up to the peak at a wheel ``load`` [N]: F/mu and K slip/mu [1] (n,)."""
         k, d = self.keys, self.over_nominal(load) - 1.0
         C = k["PCX1"] * k["LCX"]
         E = (k["PEX1"] + k["PEX2"] * d + k["PEX3"] * d * d) * (1.0 + k["PEX4"]) * k["LEX"]
@@ -95,10 +92,7 @@ class TyreFile:
         return force[:peak], C * x[:peak]
 
     def radius_load(self, load: float) -> float | None:
-        """Relative fall of the rolling radius if the wheel ``load`` [N] doubles [1], linearised.
-
-        This is -dR_e/dF_z F_z/R_0; None if the file lacks its keys.
-        """
+        """-dR_e/dF_z F_z/R_0 [1] at a wheel ``load`` F_z [N]; None if the file lacks its keys."""
         k, over_nominal = self.keys, self.over_nominal(load)
         if not all(k[n] > 0.0 for n in ("UNLOADED_RADIUS", "VERTICAL_STIFFNESS", "BREFF", "DREFF")):
             return None

@@ -8,10 +8,10 @@ between these forms. Valid on the rising branch only. The left formula is F/m ov
 the right one its inverse X(u).
 
     brush          1 - (1 - x/3)^3            3 (1 - (1 - u)^(1/3))
-    exponential    1 - e^-x                   -ln(1 - u)                    Burckhardt, without fall
+    exponential    1 - e^-x                   -ln(1 - u)                    Burckhardt, rising part
     Dugoff         x, then 1 - 1/(4 x)        u, then 1/(4 (1 - u))         Dugoff et al. 1970
-    magic_sharp    sin(C atan(x/C)), 1.65     C tan(asin(u)/C)              Pacejka, E = 0
-    magic_round    the same with 1.25
+    magic_sharp    sin(C atan(x/C))           C tan(asin(u)/C)              Pacejka, C = 1.65, E = 0
+    magic_round    the same with C = 1.25
 """
 
 import numpy as np
@@ -26,7 +26,7 @@ NEAR_PEAK = 0.97
 
 
 def inverse_forms(use: Array) -> Array:
-    """X of each form at the used share u of the peak, ``use`` [1] (...); shape (..., 5).
+    """Return X of each form, (..., 5), where the share u of the peak is ``use`` [1] (...).
 
     Above `NEAR_PEAK` X is constant; the caller leaves such forces out.
     """
@@ -50,14 +50,14 @@ _Q_END = np.sqrt(1.0 - NEAR_PEAK)
 _U_NODES = 1.0 - np.linspace(1.0, _Q_END, _CELLS + 1) ** 2
 _AT_ZERO = np.ones((1, len(FORMS)))  # X/u -> 1
 _X_OVER_U = np.vstack([_AT_ZERO, inverse_forms(_U_NODES[1:]) / _U_NODES[1:, None]]).T.copy()
-_RISES = np.diff(_X_OVER_U, axis=1)  # over each cell, (5, _CELLS)
+_RISES = np.diff(_X_OVER_U, axis=1)  # (5, _CELLS)
 
 
 def mean_inverse(use: Array, weights: Array) -> Array:
-    """X of tyres with ``weights`` (n, 5) of the forms, at ``use`` (..., n, k) [1].
+    """Return X of n tyres, whose forms have ``weights`` (n, 5), at ``use`` (..., n, k) [1].
 
-    An odd function of the use. X/u is interpolated linearly over the root of 1 - u, which is faster
-    than the forms themselves and within 1e-5 of them.
+    X is an odd function of the use. X/u is interpolated linearly over the root of 1 - u, which is
+    faster than the forms themselves and within 1e-5 of them.
     """
     u = np.minimum(np.abs(use), NEAR_PEAK)
     place = (1.0 - np.sqrt(1.0 - u)) * (_CELLS / (1.0 - _Q_END))  # in cells from u = 0

@@ -1,7 +1,7 @@
 """A vehicle: the values of Tables I and II of the paper, and the known effects.
 
-Numbers in parentheses are equations of the paper. Its (2) is for one pad face; a disc brake has
-two, which `Axle.friction_faces` counts.
+Numbers in parentheses are equations of the paper. Its (2) is for one of the two pad faces of a disc
+brake; `Axle.friction_faces` counts them.
 """
 
 from dataclasses import asdict, dataclass, field, replace
@@ -72,9 +72,9 @@ class Vehicle:
     track_width : l_w [m].
     front, rear : the axles.
     mass_tolerance : standard deviation of the relative error of the mass [1].
-    motor_odds : prior odds that the brake pedal also commands a motor whose torque is not
-        logged [1]. Half of the new cars of 2023 have a motor that brakes (ACEA, new car
-        registrations, European Union), and most tests log its torque or switch it off.
+    motor_odds : prior odds that the brake pedal also commands a motor whose torque is not logged
+        [1]. Half of the new cars of 2023 have a motor that brakes (ACEA, registrations in the
+        European Union), and most tests log its torque or switch it off.
     effects : known effects in addition to the paper's model.
     """
 
@@ -102,9 +102,8 @@ class Vehicle:
 
     def with_radii(self, factor: float) -> Self:
         """Return the car with the rolling radii of both axles multiplied by ``factor`` [1]."""
-        return replace(
-            self, front=self.front.with_radius(factor), rear=self.rear.with_radius(factor)
-        )
+        front, rear = self.front.with_radius(factor), self.rear.with_radius(factor)
+        return replace(self, front=front, rear=rear)
 
     def with_pads(self, front: float, rear: float) -> Self:
         """Return the car with pads of other friction ``front`` and ``rear`` [1]."""
@@ -114,8 +113,8 @@ class Vehicle:
     def radius_mismatch(self, eta_zero: float) -> float:
         """True ratio of front to rear radius over the ratio of the file, less one [1].
 
-        ``eta_zero`` is rear over front wheel speed, less one, while the car rolls freely: there
-        this ratio of speeds is the true ratio of front to rear radius.
+        The true ratio is that of rear to front wheel speed while the car rolls freely;
+        ``eta_zero`` is that ratio of speeds, less one.
         """
         return (1.0 + eta_zero) * self.rear.rolling_radius / self.front.rolling_radius - 1.0
 

@@ -1,7 +1,4 @@
-"""A vehicle as a TOML file: quantities with units, such as ``mass = "1744 kg"``.
-
-Units and bounds are those of `calib.car.keys`.
-"""
+"""A vehicle as a TOML file, with the keys, units and bounds of `calib.car.keys`."""
 
 from pathlib import Path
 from typing import Annotated, Any
@@ -19,8 +16,7 @@ from calib.car.vehicle import Axle, Vehicle
 
 
 def _name(name: str) -> str:
-    """Refuse a name that cannot be that of the vehicle's table, which is a folder of the store."""
-    if not names_a_table(name):
+    if not names_a_table(name):  # the name of a vehicle is that of its tables
         raise wrong(f"{name!r} cannot name a table", TABLE_NAMES)
     return name
 

@@ -17,9 +17,8 @@ PRESSURE = 30e5 * np.sin(2.0 * TIME)
 
 def brakes(effects, logged=None, p=PRESSURE):
     history = constant_speed(TIME, p, 20.0)
-    return brakes_of(
-        replace(default_model(SEDAN), effects=Effects(effects)), history, logged or {}
-    ), history
+    model = replace(default_model(SEDAN), effects=Effects(effects))
+    return brakes_of(model, history, logged or {}), history
 
 
 def test_without_effects_the_clamp_is_the_pedal_and_two_wheels_stand_for_four():

@@ -21,10 +21,12 @@ def path(tmp_path):
     return tmp_path / "tyre.tir"
 
 
+def read(path, **changed):
+    return read_tyres([written(path, **changed)])[0]
+
+
 def test_stiffness_and_peak_over_load(path):
-    tyre = read_tyres([written(path, PKX2=1.5, PKX3=0.2, PDX2=-0.1, LKX=0.9, LMUX=0.8, LFZO=0.5)])[
-        0
-    ]
+    tyre = read(path, PKX2=1.5, PKX3=0.2, PDX2=-0.1, LKX=0.9, LMUX=0.8, LFZO=0.5)
     assert tyre.at_load(2150.0) == pytest.approx((25.0 * 0.9, 0.9 * 0.8))
     stiffness, peak = tyre.at_load(2150.0 * 1.2)
     assert stiffness == pytest.approx((25.0 + 0.3) * math.exp(0.04) * 0.9)
@@ -33,7 +35,7 @@ def test_stiffness_and_peak_over_load(path):
 
 
 def test_without_curvature_it_is_the_formula_of_the_car(path):
-    use, slip = read_tyres([written(path)])[0].curve(4300.0)
+    use, slip = read(path).curve(4300.0)
     formula = MagicFormula(stiffness=1.0, peak=1.0, shape=KEYS["PCX1"])
     np.testing.assert_allclose(formula.force(slip), use, atol=1e-12)
     assert use[-1] == pytest.approx(1.0, abs=1e-4)
@@ -41,7 +43,7 @@ def test_without_curvature_it_is_the_formula_of_the_car(path):
 
 def test_curvature_of_braking(path):
     """E = (0.4 - 0.1) (1 + 0.05) at half of the load more; the slip solves the formula."""
-    use, slip = read_tyres([written(path, PEX1=0.4, PEX2=-0.2, PEX4=0.05)])[0].curve(6450.0)
+    use, slip = read(path, PEX1=0.4, PEX2=-0.2, PEX4=0.05).curve(6450.0)
     x, E = slip / 1.65, 0.3 * 1.05
     np.testing.assert_allclose(
         np.sin(1.65 * np.arctan((1.0 - E) * x + E * np.arctan(x))), use, atol=1e-12
@@ -50,7 +52,7 @@ def test_curvature_of_braking(path):
 
 def test_fall_of_the_rolling_radius(path):
     """The slope of the effective radius over the load, by differences."""
-    tyre, load = read_tyres([written(path, **RADIUS)])[0], 4000.0
+    tyre, load = read(path, **RADIUS), 4000.0
 
     def radius(F):
         r = F / KEYS["FNOMIN"]
@@ -59,7 +61,7 @@ def test_fall_of_the_rolling_radius(path):
 
     slope = (radius(load + 1.0) - radius(load - 1.0)) / 2.0
     assert tyre.radius_load(load) == pytest.approx(-slope * load / 0.33, rel=1e-4)
-    assert read_tyres([written(path)])[0].radius_load(load) is None
+    assert read(path).radius_load(load) is None
 
 
 @pytest.mark.parametrize(
@@ -90,5 +92,5 @@ def test_no_tyre_file_at_all(path):
 
 
 def test_a_tyre_of_another_vehicle(path):
-    tyre = read_tyres([written(path, FNOMIN=20000.0)])[0]
+    tyre = read(path, FNOMIN=20000.0)
     refusal(tyre.at_load, 4300.0, kind=TyreError, names=path)

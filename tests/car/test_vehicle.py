@@ -91,12 +91,12 @@ def test_known_effects_and_tolerance_come_in_si(tmp_path):
         ("[chassis]", "[effects]\ndrag = 1\n[chassis]", ("drag", "[effects.drag]")),
     ],
 )
-def test_slips_are_named(tmp_path, old, new, words):
+def test_mistakes_are_named(tmp_path, old, new, words):
     message = refused(write(tmp_path, (old, new)))
     assert [word for word in words if word not in message] == []
 
 
-inside = {name: st.floats(key.least, key.most) for name, key in {**CHASSIS, **AXLE}.items()}
+in_bounds = {name: st.floats(key.least, key.most) for name, key in {**CHASSIS, **AXLE}.items()}
 
 
 @st.composite
@@ -104,12 +104,12 @@ def vehicles(draw):
     """Any believable vehicle."""
 
     def axle():
-        values = {key: draw(inside[key]) for key in AXLE}
+        values = {key: draw(in_bounds[key]) for key in AXLE}
         values["effective_radius"] = draw(st.floats(0.03, 0.0999))
         values["friction_faces"] = draw(st.integers(1, 12))
         return Axle(**values)
 
-    chassis = {key: draw(inside[key]) for key in CHASSIS}
+    chassis = {key: draw(in_bounds[key]) for key in CHASSIS}
     chassis["cg_height"] = draw(st.floats(0.1, 0.399))
     name = draw(st.text("abcXYZ019_-.", min_size=1).filter(names_a_table))
     number = st.floats(-1e6, 1e6)
@@ -128,23 +128,23 @@ def test_written_and_read_back_is_the_same(tmp_path_factory, car):
 def changed(name):
     """The reference car with one of its numbers doubled."""
     side, _, key = name.rpartition(".")
-    whole = getattr(CAR, side) if side else CAR
-    other = replace(whole, **{key: 2.0 * (getattr(whole, key) or 0.02)})
+    owner = getattr(CAR, side) if side else CAR
+    other = replace(owner, **{key: 2.0 * (getattr(owner, key) or 0.02)})
     return replace(CAR, **{side: other}) if side else other
 
 
 CHASSIS_NUMBERS = [k for k, x in vars(CAR).items() if isinstance(x, float)]
 NUMBERS = {*CHASSIS_NUMBERS, *(f"{s}.{k}" for s in ("front", "rear") for k in vars(CAR.front))}
-OPEN = {"mass_tolerance", "motor_odds"} | {
-    f"{side}.pad_friction{of}" for side in ("front", "rear") for of in ("", "_tolerance")
+UNCERTAIN = {"mass_tolerance", "motor_odds"} | {
+    f"{side}.pad_friction{suffix}" for side in ("front", "rear") for suffix in ("", "_tolerance")
 }
 
 
 @pytest.mark.parametrize("name", sorted(NUMBERS))
 def test_a_car_is_another_by_its_geometry_alone(name):
-    """Not by its pads, nor by what is open about it; a weighed one may have another mass."""
+    """Not by its pads, nor by what is uncertain of it; a weighed one may have another mass."""
     require_same_car(CAR, replace(CAR, name="other", effects=Effects()))
-    if name in OPEN:
+    if name in UNCERTAIN:
         require_same_car(CAR, changed(name))
         return
     with pytest.raises(VehicleError, match=name) as error:

@@ -7,13 +7,13 @@ Air drag F moves load between the axles according to the height at which it acts
 
 A share outside 0 to 1 adds a pitching moment. Net lift is not modelled.
 
-Pitch: the body on its springs follows the deceleration z with the pitch mode of frequency w and
-damping D. Its deceleration z_b has
+Pitch: the body on its springs follows the deceleration z with a mode of frequency w and damping D:
 
     z_b'' + 2 D w z_b' + w^2 z_b = w^2 z
 
-With the elastic share e, the links of the suspension transfer the load of (1 - e) z at once, and
-the springs that of e z_b. The nose goes down by the angle e k z_b, k the pitch gradient [rad].
+The elastic share e of the load transfer goes through the springs and follows z_b, the deceleration
+of the body; the links of the suspension transfer the rest at once. The nose goes down by the angle
+e k z_b, k the pitch gradient [rad].
 """
 
 import numpy as np
@@ -35,10 +35,7 @@ def _drag(parameters: Parameters, v: Array) -> Array:
 
 
 def _drag_height(vehicle: Vehicle, parameters: Parameters, history: RunHistory) -> Array:
-    """(1 - s) F h/(W L) [1], the load transfer over W that (6) has too much; s is ``load_share``.
-
-    A drag F at the height h of the centre of gravity (s = 0) transfers no load.
-    """
+    """(1 - s) F h/(W L) [1], the load transfer that (6) has too much, over W; s: ``load_share``."""
     share = parameters.get("load_share", 1.0)
     transfer_per_force = vehicle.cg_height / (vehicle.weight * vehicle.wheelbase)  # h/(W L) [1/N]
     return (1.0 - share) * transfer_per_force * _drag(parameters, history.v)
@@ -66,13 +63,13 @@ def _lagging_load(vehicle: Vehicle, parameters: Parameters, history: RunHistory)
 
 
 def _body_mode(parameters: Parameters, history: RunHistory) -> Array:
-    """Deceleration z_b of the body on its springs [1] (n,)."""
+    """Deceleration z_b of the body [1] (n,)."""
     frequency, damping = parameters["natural_frequency"], parameters["damping"]
     return second_order(history.time, history.z, frequency, damping)
 
 
 def _nose_down(vehicle: Vehicle, parameters: Parameters, history: RunHistory, a_x: Array) -> Array:
-    """Reading of an a_x sensor that pitches with the body and so feels gravity; small angles."""
+    """Reading of an a_x sensor that pitches with the body, and so feels gravity; small angles."""
     share = parameters["elastic_share"] * parameters["pitch_gradient"]
     return a_x - G * (share * _body_mode(parameters, history))
 

@@ -1,9 +1,9 @@
 """The catalogue of effects, and effects that the user defines in a Python file.
 
 An effect of the catalogue is an entry of `EFFECTS` in `hydraulics`, `pads`, `wheels` or `body`, in
-the order in which the effects act. It has a card in `cards.csv` and parameters in `parameters.csv`.
-Effects of the user are kept in the `Effects` of a vehicle or a model, as an `OwnEffect` if their
-file was given; `calib.car.effects.effect_file` reads these files.
+the order in which the effects act. Its card is in `cards.csv`, its parameters in `parameters.csv`.
+Effects of the user are in the `Effects` of a vehicle or a model, as an `OwnEffect` if their file
+was given; `calib.car.effects.effect_file` reads the file.
 """
 
 from collections.abc import Iterable, Mapping
@@ -96,7 +96,7 @@ def completed(
 ) -> dict[str, DefinedIn]:
     """Return the ``defined`` effects with the given ``files``, both by name of the effect.
 
-    Raises ModelError for a file that is not the one with which an effect was defined.
+    Raises ModelError for a file that has changed since the effect was defined.
     """
     for name, given_file in files.items():
         earlier = defined.get(name, given_file)

@@ -11,13 +11,8 @@ from typing import Any
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.car.effects.catalogue import (
-    CALIPER_EFFECTS,
-    LINE_EFFECTS,
-    SENSOR_EFFECTS,
-    all_effects,
-    definition,
-)
+from calib.car.effects import catalogue
+from calib.car.effects.catalogue import all_effects, definition
 from calib.car.effects.effect import Effect, Pair, Parameters, acts_on
 from calib.car.effects.effects import Effects, EmpiricalTerm
 from calib.car.effects.empirical import effect_of
@@ -25,25 +20,20 @@ from calib.car.history import Motion, RunHistory
 from calib.car.lag import low_pass
 from calib.car.vehicle import Vehicle
 
-_NO_LAG = 1e-6
-"""Time constant [s] up to which an accelerometer has no lag: far less than a sample time."""
+_NO_LAG = 1e-6  # time constant [s] that counts as no lag: far less than a sample time
 
 
 def on_links(effects: Effects, links: tuple[str, ...]) -> Effects:
-    """Return the effects and terms that act on one of these links.
-
-    Raises ModelError for an effect that is not known.
-    """
+    """Return the effects and terms on these links. Raises ModelError for an unknown effect."""
     names = (name for name in effects.names if acts_on(definition(effects, name), links))
     terms = tuple(term for term in effects.terms if acts_on(effect_of(term), links))
     return replace(effects.only(*names), terms=terms)
 
 
 def not_sensed(effects: Effects) -> dict[str, str]:
-    """Return the effects that an ECU cannot take out, with the signal that it lacks.
+    """Return the effects that an ECU cannot take out, each with the signal that the ECU lacks.
 
-    A term is named by its place and driver. An effect of the user whose file was not given counts
-    as sensed.
+    An effect of the user whose file was not given is left out.
     """
     by_name = all_effects(effects)
     signals = {name: by_name[name].card.not_sensed for name in effects.names if name in by_name}
@@ -75,8 +65,7 @@ def _hooks(
 ) -> Iterator[tuple[Callable[..., Any], Parameters]]:
     """Yield the hooks on a link, each with the parameters of its effect.
 
-    They are those of the acting effects in ``names``, in that order; if ``names`` is not given,
-    those of all effects and then of the terms.
+    ``names`` are effects in the order in which they act, by default all effects and then the terms.
     """
     named = effects.names if names is None else names
     acting: list[tuple[Effect, Parameters]] = [
@@ -108,22 +97,23 @@ def as_driven(vehicle: Vehicle, effects: Effects) -> Vehicle:
 def line_pressure(effects: Effects, history: RunHistory) -> Pair:
     """Pressure [Pa] (n,) at the front and the rear wheels, before the calipers."""
     p_f = p_r = history.p_mc
-    for hook, parameters in _hooks(effects, "pressure", LINE_EFFECTS):
+    for hook, parameters in _hooks(effects, "pressure", catalogue.LINE_EFFECTS):
         p_f, p_r = hook(parameters, history, p_f, p_r)
     return p_f, p_r
 
 
 def caliper_pressure(effects: Effects, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
     """Clamping pressure [Pa] (n,) of the front and the rear pads, from the wheel pressures."""
-    for hook, parameters in _hooks(effects, "pressure", (*CALIPER_EFFECTS, *effects.user_defined)):
+    names = (*catalogue.CALIPER_EFFECTS, *effects.user_defined)
+    for hook, parameters in _hooks(effects, "pressure", names):
         p_f, p_r = hook(parameters, history, p_f, p_r)
     return p_f, p_r
 
 
 def pad_factors(effects: Effects, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
-    """Factors [1] (n,) on front and rear pad friction at the caliper pressures [Pa] (n,).
+    """Factors [1] (n,) on front and rear pad friction at the clamping pressures [Pa] (n,).
 
-    Raises ModelError for an empirical term whose temperature is not known.
+    Raises ModelError for an empirical term over a temperature that is not known.
     """
     front, rear = np.ones_like(p_f), np.ones_like(p_r)
     for hook, parameters in _hooks(effects, "friction"):
@@ -143,7 +133,6 @@ def wheel_speed_factors(vehicle: Vehicle, effects: Effects, motion: Motion) -> d
 
 
 def _product(mappings: Iterator[Mapping[str, Array]]) -> dict[str, Array]:
-    """Multiply the factors of each wheel."""
     product: dict[str, Array] = {}
     for factors in mappings:
         for w, factor in factors.items():
@@ -152,7 +141,7 @@ def _product(mappings: Iterator[Mapping[str, Array]]) -> dict[str, Array]:
 
 
 def total_load_shift(vehicle: Vehicle, effects: Effects, history: RunHistory) -> Array:
-    """Sum over W [1] (n,) of the loads that are shifted from the front to the rear axle."""
+    """Sum of the loads that are shifted from the front to the rear axle, over W [1] (n,)."""
     shifts = (hook(vehicle, own, history) for hook, own in _hooks(effects, "load_shift"))
     return np.asarray(sum(shifts, 0.0 * history.z))
 
@@ -184,9 +173,8 @@ def as_read(vehicle: Vehicle, effects: Effects, history: RunHistory, a_x: Array)
 
 def as_sensed(vehicle: Vehicle, effects: Effects, history: RunHistory, a_x: Array) -> Array:
     """Reading of the accelerometer [m/s^2] (n,), if it had no lag, at the true ``a_x`` (n,)."""
-    for hook, parameters in _hooks(
-        effects, "accelerometer", (*SENSOR_EFFECTS, *effects.user_defined)
-    ):
+    names = (*catalogue.SENSOR_EFFECTS, *effects.user_defined)
+    for hook, parameters in _hooks(effects, "accelerometer", names):
         a_x = hook(vehicle, parameters, history, a_x)
     return a_x
 

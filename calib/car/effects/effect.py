@@ -1,13 +1,12 @@
 """An effect: a card that describes it, and functions that add it to the computation of a braking.
 
-Such a function is a hook. Each hook belongs to one link of this chain of computation:
+Such a function is a hook, and acts on one link of this chain of computation:
 
     p_mc -> pressure -> friction -> wheels -> + axle_moment -> tyre -> + body_force -> accelerometer
             caliper     pads        L, R      inertia          radius  load_shift      a_x as read
                                                                load    mass            wheels, v
 
-The values of the parameters are in `calib.car.effects.effects.Effects`, so one object `Effect`
-serves simulation, analysis and diagnosis.
+The values of the parameters are in `calib.car.effects.effects.Effects`.
 """
 
 import math
@@ -36,8 +35,8 @@ class Parameter:
     """A parameter of an effect: SI unit, plausible range from ``low`` to ``high``, and prior.
 
     ``typical`` and ``spread`` are the mean and the standard deviation over passenger cars.
-    ``default`` is the value where a file gives none; with None, each file must give one. ``share``
-    says whether the parameter divides something between the axles, from 0 to 1.
+    ``default`` is the value of a file that gives none; with None, each file must give a value.
+    ``share`` says whether the parameter divides something between the axles, from 0 to 1.
     """
 
     name: str
@@ -68,8 +67,8 @@ class Card:
     """Description of an effect for the user.
 
     The first of ``parameters`` is the strength: where it is ``neutral``, there is no effect for any
-    value of the other parameters. ``not_sensed`` is the signal for lack of which an ECU cannot take
-    the effect out, or "".
+    value of the other parameters. ``not_sensed`` is the signal that an ECU would need to take the
+    effect out and does not have, or "".
     """
 
     name: str
@@ -109,13 +108,13 @@ class Effect:
     axle_moment : moment on the wheels besides the brake [N m per axle], positive when it slows.
     inertia : inertia that is added to one wheel, front and rear [kg m^2].
     radius : factors on the front and the rear rolling radius [1].
-    load_shift : load over W [1] that the front axle has less than by (6), and the rear axle more.
+    load_shift : load over W [1] that the front axle lacks against (6) and the rear axle has more.
     body_force : force on the body [N], positive when it slows.
     wheel_speed : factors [1] by wheel on wheel speeds as read; no force changes.
     mass : factor on the mass [1].
     accelerometer : reading of a_x from the true a_x [m/s^2].
-    accelerometer_lag : T [s] and S [s^2] of S a'' + T a' + a = b, where the reading a lags behind
-        the result b of the hook ``accelerometer``.
+    accelerometer_lag : T [s] and S [s^2] of S a'' + T a' + a = b, with the reading a and the result
+        b of the hook ``accelerometer``.
     speed_delay : time [s] by which v is read late.
     wheel_speed_delay : time [s] by which all wheel speeds are read late.
     """
@@ -142,8 +141,7 @@ def _parameter(row: dict[str, str]) -> Parameter:
     low, high, typical = (float(row[key]) for key in ("low", "high", "typical"))
     has_prior = row["spread"] in SENSOR._fields
     spread = float(getattr(SENSOR, row["spread"]).sigma if has_prior else row["spread"])
-    default = float(row["default"]) if row["default"] else None
-    is_share = row["share"] == "yes"
+    default, is_share = float(row["default"]) if row["default"] else None, row["share"] == "yes"
     return Parameter(row["name"], row["unit"], low, high, typical, spread, default, is_share)
 
 
@@ -158,10 +156,8 @@ _PARAMETERS: dict[str, tuple[Parameter, ...]] = {}
 for _row in rows("parameters.csv", "calib.car.effects"):
     _PARAMETERS[_row["effect"]] = (*_PARAMETERS.get(_row["effect"], ()), _parameter(_row))
 
-CARDS = {
-    row["name"]: _card(row, _PARAMETERS[row["name"]])
-    for row in rows("cards.csv", "calib.car.effects")
-}
+_CARD_ROWS = rows("cards.csv", "calib.car.effects")
+CARDS = {row["name"]: _card(row, _PARAMETERS[row["name"]]) for row in _CARD_ROWS}
 """The cards of the catalogue, in the order in which effects are listed and searched."""
 
 

@@ -1,8 +1,7 @@
 """Reading an effect of the user: a Python file that defines ``EFFECT``, an `Effect`.
 
-The file is executed with all rights of this process, see `brake-cal manual own_effects`. When the
-file is read, each hook is tried on the arguments of a braking. A hook that fails there or later
-raises one ModelError with file and line.
+The file is executed with all rights of this process, see `brake-cal manual own_effects`. Each hook
+is then tried on a braking. A hook that fails there or later raises a ModelError with file and line.
 """
 
 import sys
@@ -32,8 +31,8 @@ def read_own_effects(paths: Iterable[Path]) -> tuple[OwnEffect, ...]:
 
     Raises ModelError, with the line, for a file that is missing, is not Python or raises an
     exception; for a missing ``EFFECT`` or an incomplete card; for a name of the catalogue; and for
-    a hook that raises, that returns another shape or a number that is not finite, or that has an
-    effect at the neutral strength.
+    a hook that raises, returns another shape or a number that is not finite, or has an effect at
+    the neutral strength.
     """
     return tuple(map(_read, paths))
 
@@ -69,7 +68,6 @@ def _executed(source: bytes, path: str) -> dict[str, Any]:
 
 
 def _raised(cause: BaseException, path: str, prefix: str = "") -> ModelError:
-    """The error for an exception in a file of the user, with the line of that file."""
     frames = traceback.extract_tb(cause.__traceback__)
     lines = [frame.lineno for frame in frames if frame.filename == path]
     line = lines[-1] if lines else getattr(cause, "lineno", None)
@@ -124,14 +122,14 @@ _WITHOUT_EFFECT: dict[str, Callable[..., Any]] = {
     "speed_delay": lambda own: 0.0,
     "wheel_speed_delay": lambda own: 0.0,
 }
-"""A hook of each link that has no effect; it shows the arguments and the shape of the result.
+"""By link: a hook without effect, whose arguments and shape of the result are those of the link.
 
 ``own`` are the parameters of the effect.
 """
 
 
 def _guarded(link: str, hook: Callable[..., Any], path: str) -> Callable[..., Any]:
-    """Return the hook with a check of its result; it raises ModelError where the hook fails."""
+    """Return the hook with a check of its result. It raises ModelError where the hook fails."""
 
     def call(*arguments: Any) -> Any:
         try:
@@ -153,7 +151,6 @@ def _guarded(link: str, hook: Callable[..., Any], path: str) -> Callable[..., An
 
 
 def _begin(path: str, hook: Callable[..., Any]) -> str:
-    """Return the file and the line where a function begins."""
     code = getattr(hook, "__code__", None)
     return f"{path}:{code.co_firstlineno}" if code else path
 
@@ -174,7 +171,6 @@ def _like(example: Any, result: Any) -> Any:
 
 
 def _form(value: Any) -> str:
-    """Describe the form of a result for a message."""
     if isinstance(value, tuple | list):
         return f"({', '.join(map(_form, value))})"
     if isinstance(value, dict):
@@ -182,12 +178,11 @@ def _form(value: Any) -> str:
     return f"shape {np.shape(value)}" if isinstance(value, np.ndarray) else repr(value)
 
 
-_CAR = Vehicle(
+_CAR = Vehicle(  # Tables I and II of the paper
     *("trial", 1744.0, 1.1556, 1.6494, 0.615, 1.55),
     front=Axle(0.322, 1.2, 28.84e-4, 0.1309, 2, 0.38),
     rear=Axle(0.322, 1.1, 11.34e-4, 0.124, 2, 0.38),
 )
-"""Tables I and II of the paper."""
 
 
 def trial(link: str, parameters: Mapping[str, float]) -> tuple[Any, ...]:

@@ -1,8 +1,8 @@
 """The effects of a car as data: named effects with their parameters, and empirical terms.
 
-An effect is something physical in addition to the paper's model, such as air drag. This file has no
-equations: those of an effect are in `body`, `hydraulics`, `pads` or `wheels`, those of a term in
-`empirical`, and `combined` applies all effects together.
+An effect is something physical in addition to the paper's model, such as air drag. Equations of
+effects are in `body`, `hydraulics`, `pads` and `wheels`, those of terms in `empirical`; `combined`
+applies them together.
 """
 
 from collections.abc import Mapping
@@ -17,9 +17,9 @@ class EmpiricalTerm:
     """An effect of unknown cause that depends on one quantity of the run, its ``driver``.
 
     The effect has ``values`` [1] at ``knots`` [SI unit of the driver], is linear between knots and
-    constant beyond the outer knots. `calib.car.effects.empirical` lists places and drivers. At a
-    ``place`` on brakes, a value is the factor on the brake torque, less one. On wheels and body, it
-    is a force at the road over the weight, positive when it slows the car.
+    constant beyond the outer knots. At a ``place`` on brakes, a value is the factor on the brake
+    torque, less one. On wheels and body, a value is a force at the road over the weight, positive
+    when it slows the car. `calib.car.effects.empirical` lists places and drivers.
     """
 
     place: str
@@ -35,7 +35,7 @@ class EmpiricalTerm:
 
 @dataclass(frozen=True)
 class DefinedIn:
-    """The Python file that defines an effect of the user: name without folder, SHA-256 or ""."""
+    """The Python file of an effect of the user: its name without folder, its SHA-256 or ""."""
 
     file: str
     sha256: str = ""
@@ -45,10 +45,9 @@ class DefinedIn:
 class Effects:
     """The effects that act in a car in addition to the paper's model.
 
-    ``parameters`` has the parameters [SI] of each named effect, ``terms`` the empirical terms.
-    ``sigma`` has the standard deviation of each parameter [SI], only where it is known.
-    ``user_defined`` has the effects of the user by name, whether they act or not: a `DefinedIn`,
-    or an `OwnEffect` of `calib.car.effects.catalogue` where the file was given.
+    ``parameters`` has the parameters [SI] of each named effect, ``sigma`` their standard deviations
+    where these are known. ``user_defined`` has the effects of the user by name, whether they act or
+    not: a `DefinedIn`, or an `OwnEffect` of `calib.car.effects.catalogue` if the file was given.
     """
 
     parameters: _ByParameter = field(default_factory=dict)
@@ -89,10 +88,9 @@ class Effects:
         return (*self.parameters, *terms)
 
     def with_(self, other: Self) -> Self:
-        """Return the effects of ``self`` and ``other`` together.
+        """Return the effects of ``self`` and ``other`` together; of two alike, that of ``other``.
 
-        Where both have an effect, that of ``other`` counts. Terms of ``other`` replace the terms of
-        ``self``, since a term is fitted in the absence of other terms.
+        Terms of ``other`` replace all terms of ``self``, since terms are fitted without others.
         """
         own_sigma = self.without(*other.names).sigma
         return type(self)(

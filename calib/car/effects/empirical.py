@@ -39,8 +39,8 @@ DRIVERS = {
 }
 """Drivers of a term, with their units.
 
-`time` counts from the moment when the brake was free last, `elapsed` and `distance` count from the
-start of the run. The temperature is that of the discs in `DISCS`.
+`time` counts from the last moment without braking, `elapsed` and `distance` from the start of the
+run. The temperature is that of the discs in `DISCS`.
 """
 
 DISCS = {"front": "f", "rear": "r", "both": "fr", "body": "f"}
@@ -96,7 +96,6 @@ def drivers_of(place: str, driver: str, history: RunHistory) -> list[Array]:
 
 
 def _driver_along(history: RunHistory, driver: str, axle: str) -> Array:
-    """Values of a driver along a run [SI] (n,). Raises ModelError as `drivers_of`."""
     if driver != "temperature":
         return _ALONG[driver](history)
     temperature = history.temperature_f if axle == "f" else history.temperature_r
@@ -111,7 +110,7 @@ def _driver_along(history: RunHistory, driver: str, axle: str) -> Array:
 
 
 def _since_free(history: RunHistory) -> Array:
-    """Time [s] (n,) since the brake was free last, or since the start of the run."""
+    """Time [s] (n,) since the last moment without braking, or since the start of the run."""
     is_braked = history.p_mc > BITE
     last_free = np.maximum.accumulate(np.where(is_braked, history.time[0], history.time))
     return np.asarray(history.time - last_free)

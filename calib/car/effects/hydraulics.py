@@ -3,8 +3,8 @@
 A sensor of the wheel pressure sits between lines and calipers. The clamping pressure c is the
 pressure that presses the pads.
 
-Hysteresis comes from the friction of seals and pins. It does not depend on the rate of the pressure
-p: c lies between a line of loading and a line of release, and stays while it is between them.
+Hysteresis comes from the friction of seals and pins: c lies between a line of loading and a line of
+release, and stays constant between them, at any rate of the pressure p.
 
     c ^            .-------.        loading    c = p - r, not below zero
       |          .'      .'         release    c = p/(1 - u) + r
@@ -35,9 +35,6 @@ from calib.car.effects.effect import Pair, Parameters, effect
 from calib.car.history import RunHistory
 from calib.car.lag import low_pass, second_order
 
-_EQUAL = 0.5
-"""Value of ``threshold_rear_share`` at which both axles have the same threshold [1]."""
-
 _REFERENCE = 20e5
 """Pressure p_0 of a usual stop [Pa]; the width w is that of the loop at p_0, over p_0."""
 
@@ -55,9 +52,8 @@ def _delayed(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array
 def _lagging(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
     """Pressures after a lag without overshoot, from steady state at the first sample.
 
-    ``lag_bend`` is S/T^2 of `low_pass`: by default 0, a lag of first order; at most 1/4, two lags
-    of T/2 in a row, since more would overshoot. Not valid for a line that fills faster than it
-    empties.
+    ``lag_bend``, by default 0, is S/T^2 of `low_pass`, at most 1/4, since more would overshoot. Not
+    valid for a line that fills faster than it empties.
     """
     T = parameters["time_constant"]
     if T <= 0.0:
@@ -97,11 +93,11 @@ def behind_valve(p: Array, knee: float, slope: float) -> Array:
 def _above_threshold(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
     """Pressures less the threshold of each axle; negative pressures (noise) keep their sign.
 
-    ``threshold_rear_share`` divides the thresholds: the larger of both is ``threshold``. A negative
-    threshold -t describes a sensor that reads t too little. Below t it adds less, so that a
-    released brake stays released.
+    ``threshold`` is the larger one. ``threshold_rear_share``, by default 0.5, divides it between
+    the axles: 0 is front only, 1 rear only. A negative threshold -t describes a sensor that reads t
+    too little; below t less than t is added, so that a released brake stays released.
     """
-    share = parameters.get("threshold_rear_share", _EQUAL)
+    share = parameters.get("threshold_rear_share", 0.5)
     larger = parameters["threshold"]
     front, rear = larger * min(1.0, 2.0 - 2.0 * share), larger * min(1.0, 2.0 * share)
     return _above(p_f, front), _above(p_r, rear)
@@ -138,10 +134,7 @@ def _denoised_loop(p: Array, relative: float, half: float) -> Array:
 
 
 def hysteresis_loop(p: Array, relative: float, half: float = 0.0) -> Array:
-    """Clamping pressure c [Pa] (n,) at line pressure ``p`` [Pa] (n,).
-
-    ``relative`` is u [1], below 1; ``half`` is r [Pa].
-    """
+    """Clamping pressure c [Pa] (n,) at line pressure ``p`` (n,); ``relative`` is u, ``half`` r."""
     loading = p - np.clip(p, 0.0, half)
     return _play(loading, p / (1.0 - relative) + half, loading[0])
 
@@ -181,8 +174,8 @@ def residual_clamp(time: Array, p: Array, limit: float, drain: float) -> Array:
     """Clamping pressure max(p, r) [Pa] (n,) with the residual pressure r.
 
     While the brake is applied, r is at least min(p, ``limit``); else r' = -r/``drain``. ``time``
-    [s], ``p`` [Pa] (n,); ``limit`` [Pa], ``drain`` [s]. So r exp(t/drain) is a running maximum,
-    here of its logarithm, which does not overflow.
+    [s], ``p`` [Pa] (n,); ``limit`` [Pa], ``drain`` [s]. So r exp(t/drain) is a running maximum; the
+    logarithm is used because it does not overflow.
     """
     applied = np.where(p > BITE, np.minimum(p, limit), 0.0)
     log_grown = np.log(np.maximum(applied, 1e-30)) + (time - time[0]) / drain

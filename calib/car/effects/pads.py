@@ -1,7 +1,4 @@
-"""Effects of pads and discs: factors on the pad friction, and on the torque of single wheels.
-
-Fade depends on the temperature T of the disc, which is logged or computed from the energy E that
-the run has dissipated: mu_p (1 - k max(T - T_0, 0)).
+"""Effects of pads and discs: factors on the pad friction mu_p, and on the torque of single wheels.
 
 The friction over the pressure p is a straight line, or with a bend > 0 changes most at light
 braking:
@@ -26,16 +23,14 @@ _REFERENCE_SPEED = 20.0
 """Speed [m/s] at which the pad friction is that of the model: the middle of a stop, where slope and
 level are least correlated."""
 
-_STRAIGHT = 1e-10
-"""Bend [1/Pa] below which the curve is a straight line."""
+_STRAIGHT = 1e-10  # bend [1/Pa] below which the curve is a straight line
 
 
 def _faded(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
-    """Factors 1 - k max(T - T_0, 0) [1] on both axles.
+    """Factors 1 - k max(T - T_0, 0) [1] on both axles; not valid where little friction is left.
 
-    The disc temperature T [degC] is the logged one, or that of `disc_temperature`; in that case k
-    and T_0 hold for the assumed heat capacity. Since the factor falls linearly, it is not valid
-    where little friction is left.
+    The disc temperature T [degC] is logged, or computed by `disc_temperature`; then k and T_0 hold
+    for the assumed heat capacity.
     """
     slope, onset = parameters["fade_slope"], parameters["fade_onset"]
     start_f, start_r = history.start_heat
@@ -61,15 +56,14 @@ def _by_pressure(parameters: Parameters, history: RunHistory, p_f: Array, p_r: A
 
         2 p_0 (exp(-b p_0) - exp(-b p))/(1 - exp(-2 b p_0))
 
-    so that k is the mean slope from 0 to 2 p_0. Bends of 0 to 0.2/bar also fit linings whose
-    friction is a power of p, such as p^-0.1 within 3.5 % from 3 to 60 bar.
+    so that k is the mean slope from 0 to 2 p_0. Bends up to 0.2/bar also fit a friction that is a
+    power of p, such as p^-0.1 within 3.5 % from 3 to 60 bar.
     """
     slope, bend = parameters["pressure_slope"], parameters.get("pressure_bend", 0.0)
     return 1.0 + slope * _with_bend(p_f, bend), 1.0 + slope * _with_bend(p_r, bend)
 
 
 def _with_bend(p: Array, bend: float) -> Array:
-    """p - p_0 [Pa], or the expression with the ``bend`` [1/Pa] in its place."""
     p_0 = _REFERENCE_PRESSURE
     if bend < _STRAIGHT:
         return p - p_0
@@ -90,7 +84,7 @@ def _drying(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array)
 
 
 def _uneven(parameters: Parameters, history: RunHistory) -> dict[str, Array]:
-    """Factors [1] on the torques of left and right wheels; side forces are neglected."""
+    """Factors [1] on the torques of left and right wheels; lateral forces are neglected."""
     ones, front = np.ones_like(history.time), parameters["imbalance"]
     rear = parameters["rear_share"] * front
     factors = {"fl": (1.0 + front) * ones, "fr": (1.0 - front) * ones}

@@ -13,10 +13,8 @@ The moments here are added to a logged ``T_drive_f`` or ``T_drive_r``.
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.base.names import AXLES
 from calib.car.braking import BITE
 from calib.car.effects.effect import Pair, Parameters, effect
-from calib.car.forces import axle_loads
 from calib.car.history import Motion
 from calib.car.lag import first_order
 from calib.car.vehicle import Vehicle
@@ -24,8 +22,7 @@ from calib.car.vehicle import Vehicle
 _SPEED = 20.0
 """Speed [m/s] at which rolling resistance and the torque of an engine are given."""
 
-_DEFAULT_SPAN = 0.4
-"""Default of ``regen_span`` over ``regen_onset`` [1]."""
+_DEFAULT_SPAN = 0.4  # default of ``regen_span`` over ``regen_onset`` [1]
 
 FADE_OUT = 3.0
 """Speed [m/s] below which the moment of a motor falls to zero, as is usual before a standstill."""
@@ -44,9 +41,8 @@ def _rolling(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pair:
 def _engine(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pair:
     """Moment of friction and pumping of an engine [N m per axle], which grows with the speed.
 
-    ``drag_growth`` is by default 0, and so is ``drag_rear_share``: the front wheels are driven. The
-    moment is negative while the engine or a torque converter still drives the car. Valid for one
-    gear.
+    By default ``drag_growth`` is 0, and ``drag_rear_share`` is 0: the front wheels are driven. The
+    moment is negative while the engine drives the car. Valid for one gear.
     """
     growth = 1.0 + parameters.get("drag_growth", 0.0) * (motion.v - _SPEED)
     moment, share = parameters["drag_torque"] * growth, parameters.get("drag_rear_share", 0.0)
@@ -58,8 +54,8 @@ def _motor(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pair:
 
     The blending grows from 0 to 1 over the pressures ``regen_onset`` to ``regen_onset`` plus
     ``regen_span``, and follows the pedal with the time constant ``regen_lag``. omega is taken as
-    v/R, so P is too high by the slip, 1 to 3 %. Not valid for a motor that slows the car without
-    the brake pedal; that is `engine_drag`.
+    v/R, so P is too high by the slip, 1 to 3 %. A motor that slows the car without the brake pedal
+    is an `engine_drag`.
     """
     share = parameters["regen_rear_share"]
     onset = parameters.get("regen_onset", BITE)
@@ -76,20 +72,15 @@ def _motor(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pair:
 
 
 def _radius_by_load(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> dict[str, Array]:
-    """Factors [1] on the wheel speeds exp(q (F_z/F_z0 - 1)), since a radius falls with the load.
+    """Factors exp(q (F_z/F_z0 - 1)) [1] on the wheel speeds, since a radius falls with the load.
 
     F_z0 is the axle load at rest. The change of the brake force, 0.1 to 0.5 %, is neglected. Valid
     at the tyre inflation at which the radii of the vehicle file hold.
     """
-    q = parameters["radius_load"]
-    static_loads = axle_loads(vehicle, np.zeros(1))
-    factors: dict[str, Array] = {}
-    for axle, load, at_rest in zip(
-        AXLES, (motion.load_f, motion.load_r), static_loads, strict=True
-    ):
-        factor = np.exp(q * (load / at_rest[0] - 1.0))
-        factors |= {f"{axle}l": factor, f"{axle}r": factor}
-    return factors
+    q, (static_f, static_r) = parameters["radius_load"], vehicle.static_loads
+    front = np.exp(q * (motion.load_f / static_f - 1.0))
+    rear = np.exp(q * (motion.load_r / static_r - 1.0))
+    return {"fl": front, "fr": front, "rl": rear, "rr": rear}
 
 
 ROLLING_RESISTANCE = effect("rolling_resistance", axle_moment=_rolling)

@@ -34,7 +34,7 @@ SENSORS = {
     "wheel_speed_delay": ({"omega_delay": 0.04}, OMEGA),
     "tone_ring_runout": (RUNOUT, ("omega_fl",)),
 }
-RIGHT = driven({}, wave)
+NO_EFFECT = driven({}, wave)
 
 
 def drag(v, area=0.66):
@@ -94,14 +94,14 @@ def test_only_its_own_reading_is_off(name):
     parameters, own = SENSORS[name]
     log = driven({name: parameters}, wave)
     for channel in ("a_x", "v", *OMEGA):
-        assert np.array_equal(log[channel], RIGHT[channel]) == (channel not in own)
-    assert np.array_equal(log.truth["true_Fz_fl"], RIGHT.truth["true_Fz_fl"])
+        assert np.array_equal(log[channel], NO_EFFECT[channel]) == (channel not in own)
+    assert np.array_equal(log.truth["true_Fz_fl"], NO_EFFECT.truth["true_Fz_fl"])
 
 
 def test_the_scale_is_of_what_is_sensed_and_not_of_the_bias():
     bias, scale = {"bias": 0.5}, {"scale_error": 0.1}
     log = driven({"accelerometer_bias": bias, "accelerometer_scale": scale}, wave)
-    assert log["a_x"] == pytest.approx(1.1 * RIGHT["a_x"] + 0.5)
+    assert log["a_x"] == pytest.approx(1.1 * NO_EFFECT["a_x"] + 0.5)
     in_other_order = driven({"accelerometer_scale": scale, "accelerometer_bias": bias}, wave)
     assert np.array_equal(log["a_x"], in_other_order["a_x"])
 
@@ -112,7 +112,7 @@ def test_a_delayed_reading_is_that_of_an_earlier_time(name):
     (late,) = parameters.values()
     log, n = driven({name: parameters}, wave), round(late * 200)
     for channel in channels:
-        assert log[channel][n:] == pytest.approx(RIGHT[channel][:-n], abs=1e-9)
+        assert log[channel][n:] == pytest.approx(NO_EFFECT[channel][:-n], abs=1e-9)
 
 
 def test_a_bend_of_one_half_is_the_filter_of_butterworth():
@@ -121,9 +121,9 @@ def test_a_bend_of_one_half_is_the_filter_of_butterworth():
     corner = 2.0 * np.pi * 3.0
     filtered = {"filter_time": np.sqrt(2.0) / corner, "filter_bend": 0.5}
     late = driven({"accelerometer_lag": filtered}, step)
-    right = driven({}, step)
-    start = right["a_x"][0]
-    _, expected, _ = lsim(butter(2, corner, analog=True), right["a_x"] - start, right.time)
+    exact = driven({}, step)
+    start = exact["a_x"][0]
+    _, expected, _ = lsim(butter(2, corner, analog=True), exact["a_x"] - start, exact.time)
     assert late["a_x"] == pytest.approx(start + expected, abs=0.01)
 
 

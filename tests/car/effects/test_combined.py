@@ -15,7 +15,7 @@ DRAG = {"aerodynamic_drag": {"drag_area": 0.6}}
 ROLLING = {"rolling_resistance": {"coefficient": 0.01}}
 SIGMA = {"aerodynamic_drag": {"drag_area": 0.02}}
 FADE = EmpiricalTerm("brakes", "temperature", (20.0, 300.0), (0.0, -0.1))
-PULL = EmpiricalTerm("body", "constant", (0.0,), (0.01,))
+BODY_FORCE = EmpiricalTerm("body", "constant", (0.0,), (0.01,))
 
 
 @given(st.floats(0.0, 2.0), st.floats(0.0, 0.05), st.floats(-0.1, 0.1))
@@ -24,13 +24,13 @@ def test_totals_are_the_sums_worked_out_here(area, c_rr, share):
     terms = tuple(
         EmpiricalTerm(place, "constant", (0.0,), (share,)) for place in ("body", "rear_wheels")
     )
-    parts = {"aerodynamic_drag": {"drag_area": area}, "rolling_resistance": {"coefficient": c_rr}}
-    effects, lost = Effects(parts, terms), share * 1744.0 * 9.80665
+    named = {"aerodynamic_drag": {"drag_area": area}, "rolling_resistance": {"coefficient": c_rr}}
+    effects, term_force = Effects(named, terms), share * 1744.0 * 9.80665
     force = total_body_force(VEHICLE, effects, MOTION)
     front, rear = total_axle_moment(VEHICLE, effects, MOTION)
-    assert force == pytest.approx(0.6 * area * np.array([25.0, 400.0, 1600.0]) + lost)
+    assert force == pytest.approx(0.6 * area * np.array([25.0, 400.0, 1600.0]) + term_force)
     assert front == pytest.approx(np.full(3, c_rr * 1e4 * 0.322))
-    assert rear == pytest.approx(np.full(3, (c_rr * 7e3 + lost) * 0.322))
+    assert rear == pytest.approx(np.full(3, (c_rr * 7e3 + term_force) * 0.322))
 
 
 def test_what_both_have_is_taken_from_the_other_with_its_sigma_and_its_terms():
@@ -40,4 +40,4 @@ def test_what_both_have_is_taken_from_the_other_with_its_sigma_and_its_terms():
         {"aerodynamic_drag": {"drag_area": 0.8}} | ROLLING, (FADE,)
     )
     assert larger_drag.with_(both_effects) == both_effects
-    assert both_effects.with_(Effects(terms=(PULL,))).terms == (PULL,)
+    assert both_effects.with_(Effects(terms=(BODY_FORCE,))).terms == (BODY_FORCE,)

@@ -69,13 +69,13 @@ def test_the_width_is_told_at_20_bar(share):
     st.floats(1e3, 20e5),
     st.floats(1.0, 60.0),
 )
-def test_what_stays_of_an_application_sample_by_sample(p, most, drain):
+def test_what_stays_of_an_application_sample_by_sample(p, limit, drain):
     time = 5.0 + 0.3 * np.arange(p.size)
     residual, expected = 0.0, []
     for now in p:
-        residual = max(residual * np.exp(-0.3 / drain), min(now, most) if now > 1.5e5 else 0.0)
+        residual = max(residual * np.exp(-0.3 / drain), min(now, limit) if now > 1.5e5 else 0.0)
         expected.append(max(now, residual) if residual > 0.0 else now)
-    assert residual_clamp(time, p, most, drain) == pytest.approx(
+    assert residual_clamp(time, p, limit, drain) == pytest.approx(
         np.array(expected), rel=1e-6, abs=1e-6
     )
 

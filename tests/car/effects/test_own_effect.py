@@ -16,9 +16,11 @@ from tests.support.own_effects import EXAMPLE
 from tests.support.tables import from_content, made_table
 
 FLAP = read_own_effects([EXAMPLE])[0]
-WITH = with_own(SEDAN, [FLAP])
-ACTS = {"air_brake_flap": {"flap_area": 0.5}}
-MODEL = replace(default_model(WITH), effects=Effects(ACTS, user_defined=WITH.effects.user_defined))
+EQUIPPED = with_own(SEDAN, [FLAP])
+ACTING = {"air_brake_flap": {"flap_area": 0.5}}
+MODEL = replace(
+    default_model(EQUIPPED), effects=Effects(ACTING, user_defined=EQUIPPED.effects.user_defined)
+)
 
 
 def own_of(tmp_path, text, name="mine.py"):
@@ -28,8 +30,8 @@ def own_of(tmp_path, text, name="mine.py"):
 
 
 def test_a_car_that_has_a_file_has_its_effect_and_another_car_has_not():
-    assert definition(WITH.effects, "air_brake_flap") is FLAP.effect
-    assert list(all_effects(WITH.effects)) == [*CATALOGUE, "air_brake_flap"]
+    assert definition(EQUIPPED.effects, "air_brake_flap") is FLAP.effect
+    assert list(all_effects(EQUIPPED.effects)) == [*CATALOGUE, "air_brake_flap"]
     assert list(all_effects(SEDAN.effects)) == list(CATALOGUE)
     with pytest.raises(ModelError, match=r"unknown effect 'air_brake_flap'.*give --effect FILE"):
         definition(SEDAN.effects, "air_brake_flap")
@@ -46,7 +48,7 @@ def model_file(tmp_path):
 
 
 def test_a_model_is_read_back_exactly_where_the_file_is_given(model_file):
-    assert read_model(model_file, WITH) == MODEL
+    assert read_model(model_file, EQUIPPED) == MODEL
 
 
 def test_a_model_without_the_file_is_refused_and_names_file_and_option(model_file):
@@ -63,7 +65,7 @@ def test_a_model_whose_file_has_changed_is_refused_unless_it_says_any(model_file
         read_model(model_file, car)
     lines = [line for line in model_file.read_text().splitlines() if "sha256" not in line]
     model_file.write_text("\n".join(lines))
-    assert read_model(model_file, car).effects.parameters == ACTS
+    assert read_model(model_file, car).effects.parameters == ACTING
 
 
 # A table -----------------------------------------------------------------------------------------
@@ -84,4 +86,4 @@ def test_the_record_of_a_table_holds_name_and_digest_and_no_code():
         total_axle_moment(read.vehicle, read.vehicle.effects, made_motion([30.0]))
     with_file = replace(read, vehicle=with_own(read.vehicle, [FLAP]))
     assert with_file.digest == table.digest
-    assert default_model(with_file.vehicle).effects.parameters == ACTS
+    assert default_model(with_file.vehicle).effects.parameters == ACTING

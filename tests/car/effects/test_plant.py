@@ -57,8 +57,8 @@ def faded(t):
 
 
 CASES = {
-    # name: parameters, pedal of the car, pressure and ways of the plant,
-    #       channels that agree and how well, one that would not without the effect
+    # name: parameters, pedal of the car, pressure and options of the plant,
+    #       channels that agree and how well, one that differs by more without the effect
     "hydraulic_delay": ({"delay": 0.08}, wave, lambda t: wave(max(t - 0.08, 0.0)), {},
         {"v": 3e-3, "true_Tb_fl": 0.9}, ("v", 0.05)),
     "hydraulic_lag": ({"time_constant": 0.15}, ramp,
@@ -92,10 +92,10 @@ CASES = {
 
 @pytest.mark.parametrize("name", CASES)
 def test_it_follows_the_plant(name):
-    parameters, pedal, plant_pressure, plant, agree, (changed, least) = CASES[name]
+    parameters, pedal, plant_pressure, plant, agree, (changed, least_change) = CASES[name]
     heat = {"temperature": HEAT} if name == "pad_thermal_fade" else {}
     log, run = driven({name: parameters}, pedal, **heat), on_the_plant(plant_pressure, **plant)
     assert {channel: apart(log, run, channel) for channel in agree} == {
-        channel: pytest.approx(0.0, abs=most) for channel, most in agree.items()
+        channel: pytest.approx(0.0, abs=tolerance) for channel, tolerance in agree.items()
     }
-    assert apart(driven({}, pedal), run, changed) > least
+    assert apart(driven({}, pedal), run, changed) > least_change

@@ -14,7 +14,7 @@ from calib.run.known_effects import remove_known_effects
 from tests.support.effect_runs import SEDAN, driven, made_history, made_motion
 
 MOTOR = {"regen_torque": 300.0, "regen_power": 9e3, "regen_rear_share": 0.25, "regen_onset": 1.5e5}
-FLAT = {"rolling_radius_load": {"radius_load": 0.01}}
+RADIUS_BY_LOAD = {"rolling_radius_load": {"radius_load": 0.01}}
 
 
 def moments(name, motion, car=SEDAN, **parameters):
@@ -35,17 +35,17 @@ def test_rolling_resistance_is_its_share_of_the_weight_at_the_road(c_rr, z, R_f,
 def test_the_drag_of_an_engine_grows_and_is_shared():
     drag = {"drag_torque": 120.0, "drag_growth": 0.01, "drag_rear_share": 0.75}
     front, rear = moments("engine_drag", made_motion([10.0, 20.0, 35.0]), **drag)
-    whole = np.array([108.0, 120.0, 138.0])
-    assert front == pytest.approx(0.25 * whole)
-    assert rear == pytest.approx(0.75 * whole)
+    total = np.array([108.0, 120.0, 138.0])
+    assert front == pytest.approx(0.25 * total)
+    assert rear == pytest.approx(0.75 * total)
 
 
 def test_torque_and_power_of_a_motor_and_the_end_of_a_stop():
     """With R = 0.322 m, 9 kW are 300 N m at 9.66 m/s, and 9e3 x 0.322/v above."""
     front, rear = moments("regenerative_torque", made_motion([1.5, 6.0, 9.0, 20.0, 40.0]), **MOTOR)
-    whole = [150.0, 300.0, 300.0, 9e3 * 0.322 / 20.0, 9e3 * 0.322 / 40.0]
-    assert front == pytest.approx(0.75 * np.array(whole))
-    assert rear == pytest.approx(0.25 * np.array(whole))
+    total = [150.0, 300.0, 300.0, 9e3 * 0.322 / 20.0, 9e3 * 0.322 / 40.0]
+    assert front == pytest.approx(0.75 * np.array(total))
+    assert rear == pytest.approx(0.25 * np.array(total))
 
 
 def motor_at(p_mc, time=None, **more):
@@ -79,13 +79,13 @@ def test_a_motor_that_lags():
 
 def test_a_loaded_wheel_turns_faster_and_the_analysis_takes_it_out():
     """The loads over those at rest are 1 + z h/l_r and 1 - z h/l_f; no other channel changes."""
-    bare, flat = driven({}), driven(FLAT)
+    bare, loaded = driven({}), driven(RADIUS_BY_LOAD)
     z = -bare["a_x"] / 9.80665
     for w, ratio in (("fl", z * 0.615 / 1.6494), ("rl", -z * 0.615 / 1.1556)):
-        speeds = flat[f"omega_{w}"] / bare[f"omega_{w}"]
+        speeds = loaded[f"omega_{w}"] / bare[f"omega_{w}"]
         assert speeds == pytest.approx(np.exp(0.01 * ratio), rel=1e-9)
     for channel in ("a_x", "v"):
-        assert np.array_equal(flat[channel], bare[channel])
-    clean = remove_known_effects(replace(SEDAN, effects=Effects(FLAT)), flat)
+        assert np.array_equal(loaded[channel], bare[channel])
+    clean = remove_known_effects(replace(SEDAN, effects=Effects(RADIUS_BY_LOAD)), loaded)
     for w in ("fl", "fr", "rl", "rr"):
         assert clean.log[f"omega_{w}"] == pytest.approx(bare[f"omega_{w}"], rel=1e-9)
