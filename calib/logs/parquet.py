@@ -117,6 +117,18 @@ def _require_numbers(kind: "pyarrow.DataType", where: str) -> None:
     raise LogError(f"holds {kind}, not numbers", where=where, expected="a numeric column")
 
 
+def parquet_table(data: bytes) -> "pyarrow.Table":
+    """Return the table of a whole Parquet file. Raises ValueError for any other file."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    try:
+        # use_threads: threads that still run when the program ends would abort it (exit code 134)
+        return pq.ParquetFile(pa.BufferReader(data)).read(use_threads=False)
+    except (pa.ArrowException, OSError) as error:
+        raise ValueError(str(error)) from error
+
+
 def numbers(column: Any) -> Array:
     """Return a chunked column as numbers (n,); null becomes NaN.
 

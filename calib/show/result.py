@@ -1,6 +1,5 @@
 """A stored result: the Parquet file that `brake-cal validate --out` writes for each log."""
 
-import io
 import json
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +11,7 @@ from calib.base.errors import InputError
 from calib.estimation.limits import FAILED, PASSED
 from calib.estimation.results import SUMMARY
 from calib.estimation.validate import NONE
-from calib.logs.parquet import numbers
+from calib.logs.parquet import numbers, parquet_table
 from calib.show.judged import verdict_words
 from calib.show.torque import ENDS
 from calib.store.evidence import CONSISTENT
@@ -67,11 +66,10 @@ def is_result(path: Path) -> bool:
 def read_result(path: Path) -> StoredResult:
     """Read a result. Raises InputError when it is unreadable, empty or lacks a column."""
     from pyarrow import ArrowException
-    from pyarrow.parquet import read_table
 
     try:
         data = read_bounded(path, RESULT)
-        columns = read_table(io.BytesIO(data))
+        columns = parquet_table(data)
         missing = [name for name in (*COLUMNS, *_VALID) if name not in columns.column_names]
         if missing or columns.num_rows < 2:
             raise InputError(

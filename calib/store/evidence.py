@@ -10,10 +10,7 @@ from calib.store.state import Evidence
 from calib.store.version import Stored
 
 CONSISTENT = "consistent, not proved"
-"""Verdict of a validation that passed on logs without truth and without the speed v.
-
-Such logs would not show an error of the table.
-"""
+"""Verdict of a validation on logs without truth and speed v, which show no error of the table."""
 
 
 def read_evidence(path: Path, stored: Stored) -> tuple[Evidence, str]:
@@ -30,7 +27,7 @@ def read_evidence(path: Path, stored: Stored) -> tuple[Evidence, str]:
 
 
 def _validation_verdict(data: bytes, path: Path, stored: Stored) -> str:
-    """Return the verdict of a `summary.json` on this version. Raises ExchangeError."""
+    """Return the verdict of a `summary.json`. Raises ExchangeError."""
     from calib.base.record import validated
     from calib.store.record_file import SummaryFile
 
@@ -40,7 +37,7 @@ def _validation_verdict(data: bytes, path: Path, stored: Stored) -> str:
         do = "take the summary.json of `brake-cal validate --out`"
         raise ExchangeError(f"no summary of a validation: {error}", where=path, do=do) from error
     if (summary.table, summary.digest) != (stored.id, stored.digest):
-        raise _of_other_version(summary.table, summary.digest, path, stored)
+        raise _other_version(summary.table, summary.digest, path, stored)
     if all(log.role != "hold-out" for log in summary.logs):
         flaw = "is a validation on logs that the table was fitted on, which proves nothing"
         raise ExchangeError(flaw, where=path, expected="a validation on hold-out logs")
@@ -49,10 +46,7 @@ def _validation_verdict(data: bytes, path: Path, stored: Stored) -> str:
 
 
 def _station_verdict(data: bytes, path: Path, stored: Stored) -> str | None:
-    """Return the verdict of a `station.json` on this version; None for a file of another kind.
-
-    Raises ExchangeError for a `station.json` of another version.
-    """
+    """Return the verdict of a `station.json`, None for another kind. Raises ExchangeError."""
     try:
         document = json.loads(data)
         verdict, table = document["verdict"], document["table"]
@@ -62,11 +56,11 @@ def _station_verdict(data: bytes, path: Path, stored: Stored) -> str | None:
     if document.get("schema") != 1 or verdict not in ("passed", "warning", "failed"):
         return None
     if digest != stored.digest:
-        raise _of_other_version(id_, digest, path, stored)
+        raise _other_version(id_, digest, path, stored)
     return str(verdict)
 
 
-def _of_other_version(id_: str, digest: str, path: Path, stored: Stored) -> ExchangeError:
+def _other_version(id_: str, digest: str, path: Path, stored: Stored) -> ExchangeError:
     flaw = f"is of {id_}, digest {digest[:12]}"
     expected = f"one of {stored.id}, digest {stored.digest[:12]}"
     return ExchangeError(flaw, where=path, expected=expected, do="validate this version")

@@ -1,4 +1,4 @@
-"""Figures of a stored table for people: its use, the mean of a mean table, effects, list rows."""
+"""What people see of a stored table: its use, figures of a mean, effects, a row of the list."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -21,8 +21,8 @@ from calib.table.table import Scatter, Table, Value
 class _Usability:
     """Whether a version is ``usable`` in an ECU, and the ``next`` step as a command or a sentence.
 
-    ``may`` answers yes or no and gives the reason. ``decelerations`` is the range over which the
-    curves are valid [g], ``ends`` what limits it.
+    ``may`` is yes or no with the reason. The curves are valid over ``decelerations`` [g], and
+    ``ends`` says what limits that range.
     """
 
     usable: bool
@@ -79,10 +79,9 @@ class _MeanFigure:
 
 
 def mean_figures(table: Table) -> tuple[_MeanFigure, ...]:
-    """Return four figures of a mean table, none of any other table.
+    """Return the largest D, pad level, pad ratio and slip stiffness of a mean table, else nothing.
 
-    These are the largest D, pad level and pad ratio over those of the vehicle file, and the slip
-    stiffness.
+    Pad level and pad ratio are relative to the vehicle file.
     """
     spread = table.spread
     if spread is None:
@@ -107,8 +106,7 @@ def mean_figures(table: Table) -> tuple[_MeanFigure, ...]:
 class _EffectFigure:
     """The parameter ``name`` of an effect: ``value`` and its 95 % interval ``ci95`` [``unit``].
 
-    The interval is cut at the range of the effect's card. ``unit`` is "SI" for an effect of the
-    user whose card is not at hand.
+    The interval is cut at the range of the effect's card; without a card ``unit`` is "SI".
     """
 
     effect: str
@@ -128,24 +126,24 @@ def effect_figures(table: Table) -> Iterator[_EffectFigure]:
     """Yield every parameter of the effects of a table, in the order of its record."""
     effects = all_effects(table.vehicle.effects)
     for effect, values in table.effect_values.items():
-        described = effects[effect].card.parameters if effect in effects else ()
-        parameters = {parameter.name: parameter for parameter in described}
+        on_card = effects[effect].card.parameters if effect in effects else ()
+        parameters = {parameter.name: parameter for parameter in on_card}
         for name, value in values.items():
             unit, (low, high) = "SI", value.ci95
             if name in parameters:
-                parameter = parameters[name]
-                unit = parameter.unit
+                card = parameters[name]
                 # a value beyond the range of the card stays in its interval
-                low = max(low, min(parameter.low, value.value))
-                high = min(high, max(parameter.high, value.value))
+                low = max(low, min(card.low, value.value))
+                high = min(high, max(card.high, value.value))
+                unit = card.unit
             yield _EffectFigure(effect, name, value, unit, (low, high))
 
 
-ListedVersion = dict[str, Any]  # a version in the document of `tables list`
+ListedVersion = dict[str, Any]  # a row of the document of `tables list`
 
 
 def row_of(entry: StoreEntry) -> ListedVersion:
-    """Return the row of a version; without its values if the version cannot be read, see ``flaw``.
+    """Return the row of a version; for one that cannot be read, ``flaw`` says why.
 
     ``date`` is when it was stored, ``pads`` the pad friction of front and rear [1],
     ``decelerations`` the range of the curves and ``usable`` that of their valid part [g],
@@ -176,6 +174,6 @@ def row_of(entry: StoreEntry) -> ListedVersion:
 
 
 def chosen(rows: Iterable[ListedVersion], **equal: str | None) -> list[ListedVersion]:
-    """Return the rows whose texts are ``equal``, in upper or lower case; None matches all."""
+    """Return the rows whose texts are ``equal``, in upper or lower case; None matches any text."""
     wanted = {key: value.lower() for key, value in equal.items() if value is not None}
     return [row for row in rows if all(row[key].lower() == text for key, text in wanted.items())]

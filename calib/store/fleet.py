@@ -29,8 +29,8 @@ def released_cars(store: Store, vehicle: Vehicle, logs: Collection[str]) -> dict
         provenance = stored.table.provenance
         has_tyre_file = any(log.role == "tyre" for log in provenance.logs)
         # a table with parents is a mean, or has a prior from other cars
-        rests_on_others = provenance.parents or has_tyre_file or stored.ramps & used_ramps
-        if not rests_on_others and not vehicle_differences(stored.table, vehicle):
+        is_counted = provenance.parents or has_tyre_file or stored.ramps & used_ramps
+        if not is_counted and not vehicle_differences(stored.table, vehicle):
             cars[stored.id] = stored.table
             used_ramps |= stored.ramps
     if not cars:

@@ -1,7 +1,7 @@
 """Names, folders and references of the versions of a store.
 
 tables/journal.jsonl        the journal, and journal.head, see `calib.store.journal`
-tables/sedan/               the directory of a table, ``home`` below
+tables/sedan/               the folder of a table, ``home`` below
 tables/sedan/v0001/         the folder of version 1, see `calib.store.version`
 tables/sedan/v0001.minisig  the signature of version 1
 tables/sedan/.new-v0002/    version 2 while it is written

@@ -5,8 +5,8 @@
 
 The hash of a line is the SHA-256 of its canonical JSON with an empty ``hash``. Each line holds the
 hash of the previous line, so a changed, lost or inserted line breaks the chain. The head shows
-whether lines are missing at the end. If somebody rewrites journal and head together, only a
-signature of the head shows it, see `calib.store.signature`.
+whether lines are missing at the end. Only a signature of the head shows whether somebody rewrote
+journal and head together, see `calib.store.signature`.
 """
 
 import json
@@ -84,11 +84,6 @@ class Entry(NamedTuple):
         return cls(line=line, **fields)
 
     @property
-    def id(self) -> str:
-        """name@version."""
-        return f"{self.table}@{self.version}"
-
-    @property
     def document(self) -> dict[str, Any]:
         """All fields: also ``at`` (UTC), ``by``, ``program``, ``reason``, ``verdict``, ``key``."""
         return dict(json.loads(self.line))
@@ -141,7 +136,8 @@ class Journal:
     ) -> "Journal":
         """Return the journal with one more entry: ``event`` of a version by a ``decision``.
 
-        ``fields``: digest, record and inputs of a new version. Later entries repeat the first two.
+        A new version needs the ``fields`` digest, record and inputs; later entries repeat the first
+        two.
         """
         history = self.versions(name).get(version)
         if history:
@@ -168,9 +164,9 @@ class Journal:
 def read_journal(folder: Path) -> Journal:
     """Read the journal of a store, empty if there is none. Raises DamagedTable, OSError.
 
-    A journal with more lines than its head names is sound: a writer was stopped between them.
+    A journal with more lines than its head names is sound: a writer stopped before the head.
     """
-    head = _bytes_if_any(folder / HEAD)  # before the journal, to which a writer may just add a line
+    head = _bytes_if_any(folder / HEAD)  # first, since a writer may add a line in between
     data = _bytes_if_any(folder / JOURNAL)
     try:
         entries = _entries((data or b"").decode())
@@ -198,7 +194,7 @@ def _bytes_if_any(path: Path) -> bytes | None:
 
 
 def _entries(text: str) -> list[Entry]:
-    """Read all lines, and check the chain and the order of states. Raises ValueError."""
+    """Read the lines, and check the chain and the order of states. Raises ValueError."""
     if "\r\n" in text:
         raise ValueError(CRLF)
     if text and not text.endswith("\n"):
@@ -209,13 +205,12 @@ def _entries(text: str) -> list[Entry]:
     for number, line in enumerate(text.split("\n")[:-1], 1):
         try:
             entry = Entry.read(line)
-            key = entry.table, entry.version
             if entry.previous != previous or entry.number != number:
                 raise ValueError("does not follow the line before: one was changed, lost or put in")
-            _check_state(entry, newest.get(key))
+            _check_state(entry, newest.get((entry.table, entry.version)))
         except ValueError as error:
             raise ValueError(f"line {number}: {error}") from error
-        newest[key] = entry
+        newest[entry.table, entry.version] = entry
         entries.append(entry)
         previous = entry.hash
     return entries
@@ -223,24 +218,25 @@ def _entries(text: str) -> list[Entry]:
 
 def _check_state(entry: Entry, predecessor: Entry | None) -> None:
     """Raise ValueError if an entry may not follow the ``predecessor`` of the same version."""
+    id_ = f"{entry.table}@{entry.version}"
     if predecessor is None:
         may_follow = entry.event == STORED and entry.state in CHANGES
     elif (entry.digest, entry.record) != (predecessor.digest, predecessor.record):
-        raise ValueError(f"{entry.id} is another table than the one stored")
+        raise ValueError(f"{id_} is another table than the one stored")
     elif entry.event == SIGNED:
         may_follow = entry.state == predecessor.state
     else:
         may_follow = entry.event == CHANGED and entry.state in CHANGES[predecessor.state]
     if not may_follow:
         was = predecessor.state if predecessor else "never stored"
-        raise ValueError(f"{entry.id} was {was} before {entry.event} {entry.state}")
+        raise ValueError(f"{id_} was {was} before {entry.event} {entry.state}")
 
 
 def _check_head(entries: list[Entry], head: bytes | None) -> None:
     """Raise ValueError unless the head's file names a line of the journal, by number and hash."""
-    if head is None and entries:
-        raise ValueError(f"{HEAD} beside it is missing")
     if head is None:
+        if entries:
+            raise ValueError(f"{HEAD} beside it is missing")
         return
     digest, _, count = head.decode(errors="replace").strip().partition(" ")
     number = int(count) if re.fullmatch(r"[0-9]{1,18}", count) else -1

@@ -97,14 +97,14 @@ def _columns(curves: _CurvesOfCars, scatter: RandomEffects) -> tuple[Array, ...]
     """Return the columns of the mean curve, with the 95 % band of one more car."""
     of_cars = quantile95(scatter.freedom) * scatter.prediction_sigma
     of_shared = Z95 * np.sqrt(np.mean(curves.shared_variance, axis=0))
-    half = np.asarray(np.hypot(of_cars, of_shared))
-    lower, upper = scatter.mean - half, scatter.mean + half
+    half_width = np.asarray(np.hypot(of_cars, of_shared))
+    lower, upper = scatter.mean - half_width, scatter.mean + half_width
     own = np.zeros(curves.axis.size)
     return curves.axis, scatter.mean, lower, upper, curves.blocks, curves.flag, own
 
 
 def mean_pads(tables: Sequence[Table]) -> tuple[dict[str, Any], RandomEffects]:
-    """Return calibration and budget of a mean, and the scatter of `_LOGARITHMS`."""
+    """Return calibration and budget of a mean table, and the scatter of the `_LOGARITHMS`."""
     vehicle = tables[0].vehicle
     values, per_run_variances = [], []  # (k, 3)
     for table in tables:
@@ -130,9 +130,9 @@ def mean_pads(tables: Sequence[Table]) -> tuple[dict[str, Any], RandomEffects]:
 
 def _mean_shared(tables: Sequence[Table], name: str) -> dict[str, float]:
     """Return the mean over the cars of each shared variance of a logarithm, by part."""
-    of_cars = [shared(getattr(table.budget, name)) for table in tables]
-    parts = dict.fromkeys(part for variances in of_cars for part in variances)
-    return {part: float(np.mean([x.get(part, 0.0) for x in of_cars])) for part in parts}
+    cars = [shared(getattr(table.budget, name)) for table in tables]
+    parts = dict.fromkeys(part for variances in cars for part in variances)
+    return {part: float(np.mean([car.get(part, 0.0) for car in cars])) for part in parts}
 
 
 def inflated(scatter: RandomEffects) -> Array:
@@ -154,8 +154,8 @@ def mean_maps(tables: Sequence[Table]) -> tuple[PadMap, LevelMap, Draws]:
 def one_more(tables: Sequence[Table], size: int = _SIZE) -> Draws:
     """Return ``size`` draws of one more car, by a fixed random sequence.
 
-    The cars count alike. T is cut at the 97.5 % quantile of Student's t: with few cars it may be so
-    large that a compliance overflows.
+    The cars count alike. T is cut at the 97.5 % quantile of Student's t, since with few cars a
+    larger T could make a compliance overflow.
     """
     draws = [vars(table.draws) for table in tables]
     k, rng = len(draws), np.random.default_rng(42)

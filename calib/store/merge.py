@@ -25,16 +25,11 @@ from calib.store.version import Stored
 from calib.table.compare import changes
 from calib.table.table import FleetScatter, Provenance, Scatter, Table, TableReference
 
-_MINIMUM = ("deceleration_max", "eta_peak_is_real")
-_SUM = ("runs", "outliers")
+_MINIMUM, _SUM = ("deceleration_max", "eta_peak_is_real"), ("runs", "outliers")
 """Metrics of a fit of which a mean table has the minimum or the sum; of others it has the mean."""
 
 _CAR_MARKS = ("serial", "vin")  # identifiers of one car
-
-_LEAST_RANGE = 0.5
-"""Share of the longest range of eta that every table must cover [1], since the mean ends with the
-shortest."""
-
+_LEAST_RANGE = 0.5  # of the longest range of eta [1], since the mean ends with the shortest
 _SHARED_REMARK = (
     "what all cars share is in the mean as it is in each of them: mass, geometry and brakes of the "
     "vehicle file, the surface of the track, sensors that are wrong in one way, the method; its "
@@ -127,10 +122,10 @@ def _quality(tables: Sequence[Table]) -> dict[str, float]:
 def _provenance(parents: Sequence[Stored]) -> Provenance:
     """Return the logs of all cars, and the settings with which all of them were fitted."""
     origins = [parent.table.provenance for parent in parents]
-    settings = origins[0].settings.items()
+    first, *others = [origin.settings for origin in origins]
     return Provenance(
         logs=tuple(dict.fromkeys(log for origin in origins for log in origin.logs)),
-        settings={key: x for key, x in settings if all(o.settings.get(key) == x for o in origins)},
+        settings={k: x for k, x in first.items() if all(s.get(k) == x for s in others)},
         program=PROGRAM,
         parents=tuple(TableReference(parent.id, parent.digest) for parent in parents),
     )
@@ -192,7 +187,7 @@ def _flaws_of_pairs(parents: Sequence[Stored]) -> Iterator[str]:
 
 
 def vehicle_differences(table: Table, vehicle: Vehicle) -> list[str]:
-    """Return the differences of a table's vehicle from another, without names and uncertainties."""
+    """Return how a table's vehicle differs from another, apart from names and uncertainties."""
     changed = changes(table, replace(table, vehicle=vehicle))
     sections = ("vehicle", "empirical", "own_effects")
     of_vehicle = [change for section in sections for change in changed.get(section, ())]

@@ -125,7 +125,7 @@ def generate(secret: Path, public: Path, password: str) -> PublicKey:
 
 
 class Signature(NamedTuple):
-    """The ``content`` of a signature file, not yet verified, and what the file says of itself."""
+    """A signature file that is not yet verified: its ``content``, key number and comment."""
 
     content: bytes
     key_id: str
@@ -139,14 +139,13 @@ def read_signature(path: Path) -> Signature:
     match = _SIGNATURE.fullmatch(content)
     if not match:
         raise SignatureRefused("is cut off or damaged", where=path, expected=expected)
-    comment = match[2].decode(errors="backslashreplace")
-    return Signature(content, _key_id(match[1]), comment)
+    return Signature(content, _key_id(match[1]), match[2].decode(errors="backslashreplace"))
 
 
 def verify(public: PublicKey, data: bytes, signature: Signature, where: object) -> None:
-    """Raise SignatureRefused, at ``where``, unless ``public`` verifies the signature of ``data``.
+    """Raise SignatureRefused unless ``public`` verifies ``signature`` and its trusted comment.
 
-    The trusted comment in the signature is verified, too.
+    ``data`` is what was signed, ``where`` names the signature in the message.
     """
     library = _library()
     with _library_errors_as(SignatureRefused, where):

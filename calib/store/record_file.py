@@ -1,6 +1,5 @@
-"""Schemas of two JSON files, the record of a table and the summary of a validation.
-
-`table_of` makes a table of its record again.
+"""Schemas of two JSON files: the record of a table, which `table_of` turns into the table again,
+and the summary of a validation.
 """
 
 from collections.abc import Sequence
@@ -19,10 +18,9 @@ from calib.table.table import COLUMNS, Table, Value
 def _keys(record: type) -> dict[str, tuple[Any, Any]]:
     """Type and default of each field of a dataclass; the default of a required field is ``...``."""
     types = get_type_hints(record)
-    defaults = {field.name: field.default for field in fields(record)}
     return {
-        name: (types[name], ... if default is MISSING else default)
-        for name, default in defaults.items()
+        field.name: (types[field.name], ... if field.default is MISSING else field.default)
+        for field in fields(record)
     }
 
 
@@ -73,7 +71,7 @@ class RecordFile(Section):
 
 
 class _ValidatedLog(Section):
-    """A log that was validated. ``role`` tells whether the fit used it or it is a hold-out."""
+    """A log that was validated; ``role`` is "hold-out" if the fit did not use the log."""
 
     model_config = ConfigDict(extra="ignore")
 
@@ -99,24 +97,24 @@ def table_of(
 
     Raises KeyError or TypeError for a curve or a column that is missing.
     """
-    parts = dict(record)
-    del parts["schema_version"]
+    arguments = dict(record)
+    for key in ("schema_version", "empirical", "own_effects"):
+        del arguments[key]
     for name, constructor in COLUMNS.items():
-        parts[name] = constructor(**curves[name])
+        arguments[name] = constructor(**curves[name])
 
-    terms, own_effects = parts.pop("empirical"), parts.pop("own_effects")
-    terms = terms if isinstance(terms, tuple) else (terms,)
-    vehicle_effects = Effects(record.vehicle.effects, terms, user_defined=own_effects)
-    parts["vehicle"] = Vehicle(**{**dict(record.vehicle), "effects": vehicle_effects})
+    terms = record.empirical if isinstance(record.empirical, tuple) else (record.empirical,)
+    vehicle_effects = Effects(record.vehicle.effects, terms, user_defined=record.own_effects)
+    arguments["vehicle"] = Vehicle(**dict(record.vehicle) | {"effects": vehicle_effects})
 
     values: dict[str, dict[str, float]] = {}
     sigmas: dict[str, dict[str, float]] = {}
-    for effect, parameters in parts["effects"].items():
+    for effect, parameters in record.effects.items():
         values[effect] = {name: fitted.value for name, fitted in parameters.items()}
         sigmas[effect] = {name: fitted.sigma for name, fitted in parameters.items()}
-    parts["effects"] = Effects(values, sigma=sigmas)
+    arguments["effects"] = Effects(values, sigma=sigmas)
 
     logs = zip(record.provenance.logs, sample_times, strict=True)
     timed = tuple(replace(log, sample_time=time) for log, time in logs)
-    parts["provenance"] = replace(record.provenance, logs=timed)
-    return Table(**parts)
+    arguments["provenance"] = replace(record.provenance, logs=timed)
+    return Table(**arguments)

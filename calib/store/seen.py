@@ -37,12 +37,12 @@ class _SeenJournal(NamedTuple):
     def contradiction(self, folder: Path, journal: Journal) -> str:
         """Return why the ``journal`` in ``folder`` is no later form of this one; "" if it may be.
 
-        A journal of another store contradicts only in the same folder.
+        The journal of another store contradicts only in the same folder.
         """
         entries = journal.entries
         if not entries or entries[0].hash != self.store:
-            same_place = self.place == str(folder.resolve())
-            return "another store was seen here before" if same_place else ""
+            is_same_folder = self.place == str(folder.resolve())
+            return "another store was seen here before" if is_same_folder else ""
         if len(entries) < self.lines:
             size = f"its journal has {len(entries)} lines, {self.lines} were seen"
             return f"an older copy of the store: {size}"
@@ -64,13 +64,10 @@ class SeenJournals:
         for earlier in self.journals:
             flaw = earlier.contradiction(folder, journal) if earlier.key == key else ""
             if flaw:
-                raise SignatureRefused(
-                    flaw,
-                    where=folder,
-                    expected=f"a journal with the line {earlier.lines} {earlier.head[:12]}...",
-                    do=f"get the newest copy of the store; if it was replaced on purpose, remove "
-                    f"the entry of its head from {self.path}",
-                )
+                expected = f"a journal with the line {earlier.lines} {earlier.head[:12]}..."
+                do = "get the newest copy of the store; if it was replaced on purpose, remove the "
+                do += f"entry of its head from {self.path}"
+                raise SignatureRefused(flaw, where=folder, expected=expected, do=do)
 
     def keep(self, folder: Path, journal: Journal, key: str) -> str:
         """Keep the head of a journal verified with ``key``; return why that failed, or "".
@@ -80,15 +77,17 @@ class SeenJournals:
         if self.path is None or self.note or not journal.entries:
             return self.note
         first, lines = journal.entries[0].hash, len(journal.entries)
-        new = _SeenJournal(key, first, str(folder.resolve()), journal.head, lines)
+        latest = _SeenJournal(key, first, str(folder.resolve()), journal.head, lines)
         try:
             with locked_folder(self.path.parent):
                 current = recall()  # another process may have written the file since
-                same = [old for old in current.journals if old[:3] == new[:3]]
-                if current.note or any(old.lines >= lines for old in same):
+                # of the same key, store and place
+                replaced = [old for old in current.journals if old[:3] == latest[:3]]
+                if current.note or any(old.lines >= lines for old in replaced):
                     return current.note
-                journals = [*(old for old in current.journals if old not in same), new]
-                document = {"schema": 1, "seen": [earlier._asdict() for earlier in journals]}
+                others = [old for old in current.journals if old not in replaced]
+                journals = [seen._asdict() for seen in (*others, latest)]
+                document = {"schema": 1, "seen": journals}
                 write_whole(self.path, (json.dumps(document, indent=2) + "\n").encode())
         except OSError as error:
             return f"{self.path} cannot be written ({error.strerror}): {_UNSEEN}"
@@ -98,7 +97,7 @@ class SeenJournals:
 def recall() -> SeenJournals:
     """Read the journals that were seen. Raises SignatureRefused for a damaged file.
 
-    Call it before a journal is read: the journal may grow, and be seen, in between.
+    Call it before the journal of the store is read, since that journal may grow in between.
     """
     try:
         variables = (os.environ.get(name, "") for name in ("XDG_STATE_HOME", "LOCALAPPDATA"))
@@ -122,6 +121,6 @@ def recall() -> SeenJournals:
 
 
 def _is_typed(journal: _SeenJournal) -> bool:
-    """Whether the fields from a file have their types, and there are lines."""
+    """Whether the fields have their types, and ``lines`` is positive."""
     *texts, lines = journal
     return all(type(text) is str for text in texts) and type(lines) is int and lines > 0

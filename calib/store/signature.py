@@ -1,10 +1,10 @@
 """Sign versions, and verify their signatures, such as tables/sedan/v0001.minisig.
 
 The signature is over the record file, which holds the digests of all curves. Its trusted comment
-ends with the head of the journal, which has the state of the version; the rest of the comment is
-for people. A signature is valid while the journal contains that head and the version has the state
-that it had at that head. A store is an older copy if its journal lacks a head that the key has
-signed, or that this user has seen (`calib.store.seen`).
+ends with the head of the journal, which has the state of the version. A signature is valid while
+the journal contains that head and the version has the state that it had at that head. A store is an
+older copy if its journal lacks a head that the key has signed, or that this user has seen
+(`calib.store.seen`).
 """
 
 import re
@@ -30,7 +30,7 @@ _HEAD = re.compile(r"brake-cal .*\bjournal=([0-9a-f]{64})")
 class _Signed:
     """A version with a valid signature in the file ``path``.
 
-    ``note`` says why an older copy of the store will not be noticed; it is "" if one will be.
+    ``note`` says why an older copy of the store will not be noticed; "" if it will be.
     """
 
     stored: Stored
@@ -74,9 +74,8 @@ def sign(store: Store, reference: str, key: SecretKey) -> _Signed:
 def require_signed(stored: Stored, public: PublicKey, newest: bool = False) -> _Signed:
     """Return a version with its valid signature by the key ``public``.
 
-    ``newest``: the version was chosen as the newest usable one. Then newer versions that were ever
-    released must have a valid signature, too. Otherwise somebody could reject a newer version to
-    bring back an older one; but nobody without the key can sign that rejection.
+    If the version was chosen as the ``newest`` usable one, newer versions that were ever released
+    must have a valid signature, too: nobody without the key can reject them to bring back this one.
 
     Raises SignatureRefused without a signature, for a state that was changed since, and for an
     older copy of the store; DamagedTable when the version is not the one that was loaded.
@@ -117,9 +116,9 @@ def signer(stored: Stored) -> str | None:
 
 
 def _require_newest(store: Store, public: PublicKey) -> tuple[Snapshot, SeenJournals]:
-    """Return the store as it is, and the journals seen. Raises SignatureRefused for an older copy.
+    """Return the store as it is, and the journals seen.
 
-    The heads in the signatures are checked by `_check_signed_heads`.
+    Raises SignatureRefused for a copy that is older than a journal seen.
     """
     seen_journals = recall()
     snapshot = store.snapshot()
@@ -128,7 +127,7 @@ def _require_newest(store: Store, public: PublicKey) -> tuple[Snapshot, SeenJour
 
 
 def _remember(snapshot: Snapshot, public: PublicKey, seen_journals: SeenJournals) -> str:
-    """Check the heads in the store's signatures, and keep its own head as seen; return a note."""
+    """Check the heads in the store's signatures, keep the head of its journal; return a note."""
     _check_signed_heads(snapshot, public)
     return seen_journals.keep(snapshot.folder, snapshot.journal, public.key_id)
 
@@ -147,7 +146,7 @@ def _check_signed_heads(snapshot: Snapshot, public: PublicKey) -> None:
 
 
 def _must_be_signed(snapshot: Snapshot, name: str, version: int) -> bool:
-    """Whether a version was ever released, whatever its state is."""
+    """Whether a version was ever released."""
     history = snapshot.journal.versions(name).get(version, ())
     return any(entry.state == RELEASED for entry in history)
 

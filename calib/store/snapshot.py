@@ -1,7 +1,7 @@
 """A store at one moment.
 
-Every read compares a version with its digests, the name of its folder, and the journal. A stray
-folder is the folder of a version that is not in the journal.
+Every read compares a version with its digests, the name of its folder, and the journal. A stray is
+the folder of a version that is not in the journal.
 """
 
 from dataclasses import dataclass, replace
@@ -29,7 +29,7 @@ from calib.table.table import Table
 class StoreEntry:
     """A version as `Store.entries` and `Store.verify` give it.
 
-    ``stored`` is None if the version cannot be read, see ``violations``, and after `Store.verify`.
+    ``stored`` is None after `Store.verify`, and if the version cannot be read, see ``violations``.
     ``signed`` is the state in the valid signature of the version, if a key was given.
     """
 
@@ -81,11 +81,11 @@ class Snapshot:
         raise TableNotFound(f"no table {name!r}", where=self.folder, expected=expected, do=do)
 
     def with_strays(self, name: str) -> list[int]:
-        """Return the numbers of the versions in the journal and of stray folders, rising."""
+        """Return the numbers of the versions in the journal and of strays, rising."""
         return sorted({*self.journal.versions(name), *versions_in(self.folder / name)})
 
     def next_number(self, name: str) -> int:
-        """Return the number after those of all versions, and of files that look like versions."""
+        """Return the number after those of all versions and of all files named as versions."""
         numbers = [*self.journal.versions(name), *taken_numbers(self.folder / name)]
         return 1 + max(numbers, default=0)
 
@@ -125,10 +125,8 @@ class Snapshot:
         versions = self.with_strays(self.require_table(name))
         if version.isascii() and version.isdecimal() and int(version) in versions:
             return name, int(version)
-        expected = f"one of {', '.join(map(str, versions))}"
-        raise TableNotFound(
-            f"no version {version!r} of {name!r}", where=self.folder, expected=expected
-        )
+        flaw, expected = f"no version {version!r} of {name!r}", ", ".join(map(str, versions))
+        raise TableNotFound(flaw, where=self.folder, expected=f"one of {expected}")
 
     def load(self, name: str, version: int) -> Stored:
         """Read a version. Raises DamagedTable where digests, folder and journal do not agree."""
@@ -162,15 +160,15 @@ class Snapshot:
         if entry.stored:
             return replace(entry, violations=violations(entry.stored.table))
         is_missing = existing_folder(self.folder / name, version) is None
-        if is_missing and entry.state.word == WITHDRAWN:
-            return replace(entry, violations=())
-        return entry
+        may_be_missing = entry.state.word == WITHDRAWN
+        return replace(entry, violations=()) if is_missing and may_be_missing else entry
 
     def identical(self, table: Table) -> Stored | None:
         """Return the newest undamaged version that holds the same table, or None."""
-        table_inputs, digest = inputs_digest(table.content()[0]), table.digest
+        inputs, digest = inputs_digest(table.content()[0]), table.digest
         for version, history in reversed(self.journal.versions(table.name).items()):
-            if history[0].digest == digest or history[0].inputs == table_inputs:
+            # only a table of the same content or inputs can be the same fit, and is read
+            if history[0].digest == digest or history[0].inputs == inputs:
                 stored = self.entry(table.name, version).stored
                 if stored and is_same_fit(stored.table, table):
                     return replace(stored, existed=True)

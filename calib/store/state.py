@@ -1,11 +1,11 @@
-"""The state of a version: may the version be used, who decided that, and on what evidence.
+"""The state of a version: whether the version may be used, who decided so, on what evidence.
 
     draft ──> released ──> withdrawn
       │          │  ^          ^
       └──────> rejected ───────┘
 
-A draft may be withdrawn, too. A version is stored as a draft unless a decision comes with it. Only
-new evidence releases a rejected version. A withdrawn version stays withdrawn.
+A draft may be withdrawn, too. A new version is a draft, unless a decision comes with it. Only new
+evidence releases a rejected version. A withdrawn version stays withdrawn.
 """
 
 import getpass
@@ -26,7 +26,7 @@ CHANGES = {
 
 @dataclass(frozen=True)
 class Evidence:
-    """A file on which a state rests: its name without folder, and its digest."""
+    """A file on which a state rests: its name without folder, and its SHA-256."""
 
     name: str
     sha256: str
@@ -50,10 +50,11 @@ class StateDecision:
 
 @dataclass(frozen=True)
 class VersionState:
-    """The state ``word`` of a version, ``since`` when (ISO 8601, UTC), by whom, on what evidence.
+    """The state ``word`` of a version, ``since`` when, by whom, for what reason and evidence.
 
-    ``stored_at`` is when the version was stored. ``past_evidence`` has the SHA-256 of the evidence
-    of all states of the version. ``in_store`` is False for a copy outside of a store.
+    ``since`` and ``stored_at``, the moment of storing, are in UTC (ISO 8601). ``past_evidence`` has
+    the SHA-256 of the evidence of all states of the version. ``in_store`` is False for a copy
+    outside of a store.
     """
 
     word: str = DRAFT
@@ -84,9 +85,9 @@ class VersionState:
     @property
     def description(self) -> str:
         """The state with its reason, person and date."""
-        person, date = f"by {self.by}" if self.by else "", self.since[:10]
-        source = ", ".join(filter(None, (person, date)))
-        return f"{self.with_reason} ({source})" if source else self.with_reason
+        person = f"by {self.by}" if self.by else ""
+        origin = ", ".join(filter(None, (person, self.since[:10])))
+        return f"{self.with_reason} ({origin})" if origin else self.with_reason
 
 
 UNJUDGED = VersionState()

@@ -1,9 +1,9 @@
 """The store: versions of tables that are written once, and the journal of their states.
 
-The file `folders` has the names of all files, the page `tables` of the manual the promises. A
-version exists from the moment when the journal has its line. A writer that stops before that moment
-leaves a folder that the next writer deletes. A writer that stops after it leaves a folder that the
-next writer moves to its final name.
+The file `folders` has the names of all files, the page `tables` of the manual has the promises. A
+version exists as soon as the journal has a line of it. The folder of a writer that stops before
+that line is deleted by the next writer; the folder of a writer that stops after it gets its final
+name from the next writer.
 """
 
 import os
@@ -60,8 +60,8 @@ class Store:
     def save(self, table: Table, decision: StateDecision | None = None) -> Stored:
         """Write ``table`` as the next version of its name, or return the version that holds it.
 
-        A new version is a draft by default. Raises StoreError, and stores nothing, for a table that
-        is not sound, a state that may not follow, or a store that cannot be written.
+        Raises StoreError, and stores nothing, for a table that is not sound, a state that may not
+        follow, or a store that cannot be written.
         """
         _require_storable(table)
         with self._locked(table.name) as snapshot:
@@ -135,15 +135,13 @@ class Store:
     ) -> tuple[StoreEntry, ...]:
         """Compare the versions of one table, or of all, with digests, invariants and journal.
 
-        Return one entry for each version and for each folder that is not in the journal. Tables are
-        read one at a time: ``examine`` gets the entry with its table, and the entry that it returns
-        is kept without the table.
+        Return the entry of each version and of each folder that is not in the journal. To hold one
+        table at a time, ``examine`` gets an entry with its table and may add to it; then the table
+        is dropped.
         """
         with self._unlocked() as snapshot:
-            if name:
-                names = [snapshot.require_table(name)]
-            else:
-                names = sorted({*snapshot.names, *names_in(self.folder)})
+            all_names = {*snapshot.names, *names_in(self.folder)}
+            names = [snapshot.require_table(name)] if name else sorted(all_names)
             entries = (
                 snapshot.verified(table, version)
                 for table in names
@@ -202,7 +200,7 @@ class Store:
 
     @contextmanager
     def _locked(self, name: str) -> Iterator[Snapshot]:
-        """Give the store to one writer of the table ``name``. Raises StoreError for an OSError."""
+        """Lock the store for a writer of the table ``name``. Raises StoreError for an OSError."""
         try:
             with locked_folder(self.folder):
                 refuse_link(self.folder / name)
@@ -216,7 +214,7 @@ class Store:
 
     @contextmanager
     def _unlocked(self) -> Iterator[Snapshot]:
-        """Give the store to a reader. Raises StoreError for an OSError."""
+        """Read the store without a lock. Raises StoreError for an OSError."""
         try:
             yield Snapshot(self.folder, read_journal(self.folder))
         except OSError as error:
@@ -226,7 +224,8 @@ class Store:
 def _require_storable(table: Table) -> None:
     """Raise StoreError for a table with an invalid name or a violated invariant."""
     checked_name(table.name)
-    if flaws := violations(table):
+    flaws = violations(table)
+    if flaws:
         flaw = f"the table is not sound and was not stored: {'; '.join(flaws)}"
         expected = "a table that `brake-cal tables verify` passes"
         raise StoreError(flaw, where=table.name, expected=expected)
@@ -236,16 +235,14 @@ def _refuse_same_folder(name: str, names: Sequence[str]) -> None:
     """Raise StoreError if ``name`` is new and differs from one of ``names`` only by its case."""
     same = [other for other in names if other.lower() == name.lower()]
     if same and name not in same:
-        raise StoreError(
-            f"the store has a table {same[0]!r}, whose folder is the same on Windows and macOS",
-            where=name,
-            expected="a name that differs by more than upper and lower case",
-            do=f"write {same[0]!r} in the vehicle file, or choose another name",
-        )
+        flaw = f"the store has a table {same[0]!r}, whose folder is the same on Windows and macOS"
+        expected = "a name that differs by more than upper and lower case"
+        do = f"write {same[0]!r} in the vehicle file, or choose another name"
+        raise StoreError(flaw, where=name, expected=expected, do=do)
 
 
 def _tidy(folder: Path, table: str, journal: Journal) -> None:
-    """Finish or undo, under the lock, what stopped writers left. Raises OSError."""
+    """Finish or undo what stopped writers left; the store is locked. Raises OSError."""
     for path in (*folder.glob(".*.new"), *(folder / table).glob(".*.new")):
         path.unlink(missing_ok=True)
     stored_folders = [folder_of(version) for version in journal.versions(table)]

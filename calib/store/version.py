@@ -6,9 +6,9 @@
           tyre.parquet          g(slip)
           map.parquet, level_map.parquet, draws.parquet
 
-``digest`` is of the table's content, whatever the file format. ``parents`` are the logs of the fit.
-``files`` has the SHA-256 of each Parquet file, so that a damaged file is not parsed. ``states``
-names the journal. ``record`` is the content of the table but for curves and maps.
+``digest`` is that of the table's content and does not depend on the file format. ``parents`` are
+the logs of the fit. ``files`` has the SHA-256 of each Parquet file, so that a damaged file is not
+parsed. ``states`` names the journal. ``record`` is the table's content without curves and maps.
 """
 
 import json
@@ -24,7 +24,7 @@ from calib.base.digest import content_digest, sha256
 from calib.base.errors import DamagedTable, StoreError
 from calib.base.viewable import Viewable
 from calib.base.write import sync
-from calib.logs.parquet import numbers, parquet_of
+from calib.logs.parquet import numbers, parquet_of, parquet_table
 from calib.store.folders import RECORD
 from calib.store.journal import CRLF, JOURNAL
 from calib.store.state import NOT_STORED, OUTSIDE, UNJUDGED, VersionState
@@ -100,8 +100,8 @@ def read_version(path: Path, expected_id: str | None = None) -> Stored:
     from calib.base.record import validated
     from calib.store.record_file import RecordFile, table_of
 
-    def damaged(flaw: str, name: str = RECORD) -> DamagedTable:
-        return DamagedTable(f"{name}: {flaw}", where=path)
+    def damaged(flaw: str, file_name: str = RECORD) -> DamagedTable:
+        return DamagedTable(f"{file_name}: {flaw}", where=path)
 
     data = _bytes(path / RECORD)
     if b"\r\n" in data:
@@ -117,7 +117,8 @@ def read_version(path: Path, expected_id: str | None = None) -> Stored:
             content = _bytes(path / f"{name}.parquet")
             if sha256(content) != file.files[f"{name}.parquet"]:
                 raise damaged("its bytes differ from their digest", f"{name}.parquet")
-            curves[name] = _read_curve(content)
+            curve = parquet_table(content)
+            curves[name] = dict(zip(curve.column_names, map(numbers, curve.columns), strict=True))
         if content_digest(record, curves) != file.digest:
             raise damaged("the record or its digest was changed")
         times = [parent.sample_time for parent in file.parents]
@@ -133,24 +134,10 @@ def read_version(path: Path, expected_id: str | None = None) -> Stored:
 
 
 def _curve_bytes(columns: dict[str, Array]) -> bytes:
-    """Return the Parquet file of named ``columns``, each (n,)."""
+    """Return the Parquet file of a curve's ``columns``, each (n,), by name."""
     doubles = {name: np.asarray(column, np.float64) for name, column in columns.items()}
     units = {name: UNITS.get(name, "1") for name in columns}
     return parquet_of(doubles, units, compression="none", use_dictionary=False)
-
-
-def _read_curve(data: bytes) -> dict[str, Array]:
-    """Return the columns of a Parquet file, float64 (n,). Raises ValueError for any other file."""
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
-    try:
-        # use_threads: threads that still run when the program ends would abort it (exit code 134)
-        table = pq.ParquetFile(pa.BufferReader(data)).read(use_threads=False)
-    except (pa.ArrowException, OSError) as error:
-        raise ValueError(str(error)) from error
-    columns = zip(table.column_names, table.columns, strict=True)
-    return {name: numbers(column) for name, column in columns}
 
 
 def _record_bytes(
@@ -160,7 +147,7 @@ def _record_bytes(
     files: dict[str, str],
     sample_times: list[float | None],
 ) -> bytes:
-    """Return the one spelling of a record file; ``sample_times`` are those of the logs [s]."""
+    """Return the content of a record file; ``sample_times`` are those of the logs [s]."""
     parents = []
     for log, time in zip(record["provenance"]["logs"], sample_times, strict=True):
         timed = {"sample_time": time} if time else {}
@@ -178,7 +165,6 @@ def _record_bytes(
 
 
 def _bytes(path: Path) -> bytes:
-    """Return the content of a file of a version. Raises DamagedTable, StoreError."""
     try:
         return read_bounded(path, TABLE)
     except FileNotFoundError as error:

@@ -15,6 +15,7 @@ from calib.base.errors import InputError
 from calib.base.plain import metric_of
 from calib.base.write import write_whole
 from calib.line.fleet.rows import HEAD, Column, Command, Row, Status, columns_of
+from calib.logs.parquet import parquet_table
 
 NAME = "results.parquet"
 _GROUP = 5000  # number of rows in memory at a time
@@ -99,14 +100,10 @@ def _natural(text: str) -> list[tuple[int, int, str]]:
 
 def _read(path: Path) -> Any:
     """Return the Arrow table of a file. Raises InputError if it is missing or not Parquet."""
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
     data = bytes_of(path, RESULT, InputError, _EXPECTED)
     try:
-        # use_threads: threads that still run when the program ends would abort it (exit code 134)
-        return pq.ParquetFile(pa.BufferReader(data)).read(use_threads=False)
-    except (pa.ArrowInvalid, OSError) as cause:
+        return parquet_table(data)
+    except ValueError as cause:
         raise InputError("not a Parquet file, or cut off", where=path) from cause
 
 
