@@ -1,9 +1,9 @@
 """Breakpoints: the rows of a table that are kept, with the least error of linear interpolation.
 
 The whole table is linear between its rows, so the largest error of the reduced table is at a
-dropped row, and is exact. Dynamic programming finds the global optimum: the least maximum error,
-and among equal maxima the least sum of squares (Bellman and Roth, J. Amer. Stat. Assoc. 64, 1969).
-The time grows with the cube of the number of rows, which should be some hundred at most.
+dropped row. Dynamic programming finds the global optimum: the least maximum error, and among equal
+maxima the least sum of squares (Bellman and Roth, J. Amer. Stat. Assoc. 64, 1969). The time grows
+with the cube of the number of rows, which should be some hundred at most.
 """
 
 from collections.abc import Iterator
@@ -14,8 +14,7 @@ import numpy as np
 
 from calib.base.arrays import Array, Index
 
-FEWEST = 2
-"""Least number of breakpoints of an axis, which are its two ends."""
+FEWEST = 2  # breakpoints of an axis: its two ends
 
 
 @dataclass(frozen=True)
@@ -36,10 +35,10 @@ def place(x: Array, curves: Array, points: int) -> Index:
     if points >= n:
         return np.arange(n)
     worst, square = _segments(x, curves)
-    worst_of_count = _least(worst, points, np.maximum)[0][:, n - 1]  # by number of points
-    least = worst_of_count[FEWEST:].min()
+    worst_by_count = _least(worst, points, np.maximum)[0][:, n - 1]
+    least = worst_by_count[FEWEST:].min()
     # of equal errors take the most points: for usual curves that is ``points``
-    count = int(np.flatnonzero(worst_of_count == least)[-1])
+    count = int(np.flatnonzero(worst_by_count == least)[-1])
     _, previous = _least(np.where(worst <= least, square, np.inf), count, np.add)
     return _path(previous, count, n)
 
@@ -47,7 +46,7 @@ def place(x: Array, curves: Array, points: int) -> Index:
 def place_weighted(x: Array, curves: Array, weights: Array, points: int) -> Index:
     """Return the rows of ``x`` (n,) as in `place`, by the least weighted sum of squared errors.
 
-    ``curves`` (k, n) are slices of a map, ``weights`` (k, n) those of its cells. With weights,
+    ``curves`` (k, n) are slices of a map, ``weights`` (k, n) belong to its cells. With weights,
     corners of the map that few draws reach do not take all breakpoints.
     """
     n = len(x)
@@ -63,7 +62,7 @@ def place_weighted(x: Array, curves: Array, weights: Array, points: int) -> Inde
 def misfit(x: Array, curves: Array, points: Array, values: Array) -> Misfit:
     """Errors of ``values`` (k, m) at ``points`` (m,) against ``curves`` (k, n) over ``x`` (n,).
 
-    They are exact, since both are piecewise linear; both are constant beyond their ends.
+    They are exact: values and curves are linear between points and constant beyond the ends.
     """
     places = np.union1d(x, points)
     pairs = zip(values, curves, strict=True)
@@ -81,18 +80,18 @@ def _integral_of_square(x: Array, gap: Array) -> float:
 
 
 def _segments(x: Array, curves: Array) -> tuple[Array, Array]:
-    """Largest error and integral of the squared error of a line from row i to row j, (n, n)."""
+    """Largest error and integral of squared errors of a line from row i to row j > i, (n, n)."""
     n = len(x)
     worst, square = np.full((n, n), np.inf), np.full((n, n), np.inf)
     for i, j, gaps in _lines(x, curves):
-        gaps[:, 0] = gaps[:, -1] = 0.0
+        gaps[:, 0] = gaps[:, -1] = 0.0  # without rounding errors
         worst[i, j] = np.abs(gaps).max()
         square[i, j] = sum(_integral_of_square(x[i : j + 1], gap) for gap in gaps)
     return worst, square
 
 
 def _lines(x: Array, curves: Array) -> Iterator[tuple[int, int, Array]]:
-    """Yield all rows i < j, and the gaps (k, j - i + 1) of the curves to a line between them."""
+    """Yield all rows i < j, and the gaps (k, j - i + 1) of the curves to lines from i to j."""
     for i, j in combinations(range(len(x)), 2):
         share = (x[i : j + 1] - x[i]) / (x[j] - x[i])
         line = curves[:, i, None] + share * (curves[:, j] - curves[:, i])[:, None]
@@ -102,7 +101,7 @@ def _lines(x: Array, curves: Array) -> Iterator[tuple[int, int, Array]]:
 def _least(cost: Array, points: int, join: np.ufunc) -> tuple[Array, Index]:
     """Return the least cost of p breakpoints of which the last is row j, (points + 1, n).
 
-    ``cost`` (n, n) is that of the line from one breakpoint to the next; ``join`` joins the costs of
+    ``cost`` (n, n) is the cost of a line from row i to row j; ``join`` joins the costs of
     successive lines. The second result is the breakpoint before j.
     """
     n = len(cost)
@@ -110,14 +109,14 @@ def _least(cost: Array, points: int, join: np.ufunc) -> tuple[Array, Index]:
     previous = np.zeros((points + 1, n), dtype=np.intp)
     least[1, 0] = 0.0
     for p in range(FEWEST, points + 1):
-        total = join(least[p - 1][:, None], cost)
+        total = join(least[p - 1][:, None], cost)  # (n, n)
         previous[p] = np.argmin(total, axis=0)
         least[p] = total[previous[p], np.arange(n)]
     return least, previous
 
 
 def _path(previous: Index, points: int, n: int) -> Index:
-    """Return the rows of ``points`` breakpoints, found from the last row backwards."""
+    """Follow ``previous`` back from the last row; return the ``points`` rows in rising order."""
     rows = [n - 1]
     for p in range(points, 1, -1):
         rows.append(int(previous[p, rows[-1]]))

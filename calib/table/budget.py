@@ -1,9 +1,9 @@
-"""The uncertainty of a pad friction, divided into parts by its causes, and advice that reduces it.
+"""The uncertainty of a pad friction, divided into parts by cause, and advice that reduces it.
 
-A part, such as `mass`, is the standard deviation of ln of the pad friction that one cause makes.
-The page `validation` of the manual explains each part. Errors of the areas and radii of the brakes
-are not counted. The level of the pads is the brake force of both axles per pressure, their ratio is
-front over rear pad friction, both relative to the vehicle file.
+A part, such as `mass`, is the standard deviation of ln of the pad friction that a cause makes. A
+budget is all parts of an axle. The page `validation` of the manual explains each part. Errors of
+the areas and radii of the brakes are not counted. The level of the pads is the brake force of both
+axles per pressure, their ratio is front over rear pad friction, both relative to the vehicle file.
 """
 
 import math
@@ -28,52 +28,46 @@ _Variances = Mapping[str, float]
 PER_RUN = ("noise", "zeros")
 """Parts that differ from run to run of the same car.
 
-All other parts count as common to the cars of a line: mass, geometry, road, kind of sensor, method.
-What they differ by from car to car, such as the weight of a driver, is in the scatter between cars.
+All other parts, such as mass and road, count as common to the cars of a line. What differs from car
+to car, such as the weight of a driver, is in the scatter between cars.
 """
 
 RAMP, STOP = "ramp", "stop"
-"""Kinds of a budget, as the parts of an uncertainty are called: that of a fit, or of a stop."""
+"""Kinds of a budget: of a fit, or of a stop."""
+
+_WEIGHED_BELOW = 0.99 * Vehicle.mass_tolerance
+"""Relative standard deviation of a mass [1] below which the mass was weighed or stated."""
 
 
 @dataclass(frozen=True)
 class _Advice:
-    """Advice ``do``, and the share of each part that remains if it is followed.
-
-    ``budget`` is the kind of budget for which the advice is, "" for both kinds.
-    """
+    """Advice ``do`` for a kind of ``budget`` ("" for both), and what remains if it is followed."""
 
     do: str
     budget: str
-    remaining_shares: Mapping[str, float]
+    remaining_shares: Mapping[str, float]  # of a part [1], by part; 1 for the parts not named
 
     def remaining(self, parts: Parts) -> float:
-        """Standard deviation [1] that remains of a budget; that of a weighed mass does not fall."""
+        """Standard deviation [1] of a budget with this advice; a weighed mass does not improve."""
         shares = dict(self.remaining_shares)
         if parts.get("mass", 0.0) < _WEIGHED_BELOW:
             shares.pop("mass", None)
         return math.hypot(*(x * shares.get(part, 1.0) for part, x in parts.items()))
 
 
-_WEIGHED_BELOW = 0.99 * Vehicle.mass_tolerance
-"""Relative standard deviation of a mass [1] below which it was weighed, or the file states it."""
-
-
-def _advice(row: dict[str, str]) -> _Advice:
+def _read(row: dict[str, str]) -> _Advice:
     shares = {part: float(x) for part, x in row.items() if x and part not in ("do", "budget")}
     return _Advice(row["do"], row["budget"], shares)
 
 
-_ADVICE = tuple(map(_advice, rows("budget.csv", "calib.table")))
+_ADVICE = tuple(map(_read, rows("budget.csv", "calib.table")))
 
 
 def ramp_pads(table: Table) -> tuple[str, str]:
     """Text of front and rear pad friction from the ramp, each with its 95 % interval."""
-    front, rear = table.calibration.pad_friction_f, table.calibration.pad_friction_r
-    return (
-        plus_minus(front.value, front.ci95[1] - front.value),
-        plus_minus(rear.value, rear.ci95[1] - rear.value),
-    )
+    pads = table.calibration.pad_friction_f, table.calibration.pad_friction_r
+    front, rear = (plus_minus(x.value, x.ci95[1] - x.value) for x in pads)
+    return front, rear
 
 
 def per_run(variances: _Variances) -> float:
@@ -123,8 +117,8 @@ def limiting_parts(axles: Sequence[Parts]) -> str:
 def advice_lines(axles: Iterable[Parts], kind: str = RAMP) -> list[str]:
     """Return advice that narrows the 95 % intervals, and by how much, the most useful first.
 
-    ``axles`` are budgets of front and rear pads in turn; the widest of each axle counts. The shares
-    of `budget.csv` are tested on the reference car in `tests/fitting/test_advice.py`.
+    ``axles`` are budgets of front and rear pads in turn; the widest of each axle counts. The test
+    `tests/fitting/test_advice.py` holds the shares of `budget.csv` to the reference car.
 
     >>> advice_lines([{"mass": 0.005, "noise": 0.02}, {"mass": 0.005, "noise": 0.04}])
     ['brake twice as long: front ±4 % -> ±3 %, rear ±8 % -> ±6 %']
@@ -153,7 +147,7 @@ def _half_width(sigma: float) -> str:
 
 
 def by_axle(axles: Iterable[Parts]) -> dict[str, Parts]:
-    """The parts of both axles by the name of the axle, for a JSON file."""
+    """The parts by the name of the axle, for a JSON file."""
     return dict(zip(AXLE_NAMES.values(), axles, strict=True))
 
 
@@ -162,17 +156,15 @@ def axle_parts(
 ) -> tuple[Parts, Parts]:
     """Parts of front and rear pads, from the variances of ``level`` and ``ratio`` of the pads.
 
-    Where the level is fixed, a change of ln of the ratio changes ln of the front pads by the share
-    of the rear axle in the brake force, and ln of the rear pads by that of the front axle.
-    ``log_ratio`` is as in `front_share`.
+    With a fixed level, ln of the pads of an axle changes per ln of the ratio by the share of the
+    other axle in the brake force. ``log_ratio`` is as in `front_share`.
     """
     share = front_share(vehicle, log_ratio)
 
     def of_axle(other_share: float) -> Parts:
+        by_ratio = {part: other_share**2 * variance for part, variance in ratio.items()}
         parts = {**level, **ratio}
-        return deviations(
-            {p: level.get(p, 0.0) + other_share**2 * ratio.get(p, 0.0) for p in parts}
-        )
+        return deviations({p: level.get(p, 0.0) + by_ratio.get(p, 0.0) for p in parts})
 
     return of_axle(1.0 - share), of_axle(share)
 
@@ -185,15 +177,15 @@ class PadLevels(NamedTuple):
 
 
 def grade_sigma(vehicle: Vehicle) -> float:
-    """Standard deviation of ln of the pads' level, relative to the file, for pads of a grade [1].
+    """Standard deviation of ln of the pads' level, relative to the file, for pads of one grade.
 
-    Without a tolerance in the file it is that with which two axles give the usual ratio.
+    The default [1] is that of the usual pad ratio over sqrt(2), since two axles make a ratio.
     """
     return vehicle.front.pad_friction_tolerance or CAR.log_pad_ratio.sigma / math.sqrt(2.0)
 
 
 def pad_levels(vehicle: Vehicle, pads: Calibration) -> PadLevels:
-    """Return level and ratio of the pads of a calibration."""
+    """Return level and ratio of the pads of a calibration, by (2) for both axles."""
     front = pads.pad_friction_f.value / vehicle.front.pad_friction
     rear = pads.pad_friction_r.value / vehicle.rear.pad_friction
     share = front_share(vehicle, 0.0)

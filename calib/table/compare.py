@@ -25,14 +25,9 @@ TOLERANCE = 1e-5
 
 A fitted value and its sigma count as one list.
 """
-_VALUE = {"value", "sigma"}
-"""Keys of a fitted value in a record."""
-_RESULTS = ("calibration", "effects", "noise", "quality")
-"""Sections of the record that hold numbers of the fit."""
+_VALUE = {"value", "sigma"}  # keys of a fitted value in a record
+_RESULTS = ("calibration", "effects", "noise", "quality")  # sections with numbers of the fit
 _SHARE_OF_CELLS = 0.95  # that must be within the 95 % bands, as bands promise no more [1]
-
-_EQUAL, _WITHIN, _DIFFERENT = "equal", "equal within bands", "different"
-"""Verdicts on two tables. Tables are within bands where no difference exceeds the 95 % bands."""
 
 
 @dataclass(frozen=True)
@@ -46,19 +41,17 @@ class _Curve(Map):
 
 @dataclass(frozen=True)
 class _CurveGap:
-    """Difference b - a of a curve or a column of a map, where their axes overlap [1].
+    """Difference b - a of a ``curve`` or a column of a map, where the axes overlap [1].
 
-    ``start`` and ``end`` are on the axis eta, slip or, for a map, z. ``largest`` is the difference
-    of largest magnitude, ``at`` its place on that axis. ``in_bands`` is a magnitude over the
-    combined half width of both 95 % bands: the one that 95 % of the cells do not exceed, infinite
-    without a band. Cells of a map have the weight of their share of the stops.
+    ``in_bands`` is the magnitude over the combined half width of both 95 % bands that 95 % of the
+    cells do not exceed. Cells of a map have the weight of their share of the stops.
     """
 
     curve: str
-    start: float
+    start: float  # of the overlap: on the axis eta, slip or, for a map, z
     end: float
-    largest: float
-    at: float
+    largest: float  # difference of the largest magnitude
+    at: float  # place of `largest` on that axis
     in_bands: float
 
 
@@ -73,41 +66,37 @@ class _RecordChange:
 
 @dataclass(frozen=True)
 class _ValueGap:
-    """A fitted value of both tables [1], and its difference over the combined half width."""
+    """A fitted value of both tables [1]."""
 
     name: str
     a: float
     b: float
-    in_bands: float
+    in_bands: float  # magnitude of the difference over the combined half width
 
 
 @dataclass(frozen=True)
 class Difference:
-    """Differences of two tables.
+    """Differences of two tables."""
 
-    ``curves`` are the curves and columns of maps whose axes overlap; ``apart`` names the others.
-    ``values`` are the fitted values of the pads. ``changes`` are keys of the record by section,
-    such as vehicle or quality. ``identical`` says that nothing differs, not even the draws.
-    """
-
-    curves: tuple[_CurveGap, ...]
-    apart: tuple[str, ...]
-    values: tuple[_ValueGap, ...]
-    changes: dict[str, tuple[_RecordChange, ...]]
-    identical: bool
+    curves: tuple[_CurveGap, ...]  # of curves, and of columns of maps
+    apart: tuple[str, ...]  # names of the curves and columns whose axes do not overlap
+    values: tuple[_ValueGap, ...]  # of pads and tyres
+    changes: dict[str, tuple[_RecordChange, ...]]  # by section, such as vehicle or quality
+    identical: bool  # whether nothing differs, not even the draws
 
     @property
     def verdict(self) -> str:
-        """`equal`, `equal within bands` or `different`."""
+        """`equal`, `equal within bands` (no difference exceeds the 95 % bands) or `different`."""
         if self.identical:
-            return _EQUAL
+            return "equal"
         gaps = [gap.in_bands for gap in self.curves] + [gap.in_bands for gap in self.values]
-        return _DIFFERENT if self.apart or max(gaps, default=0.0) > 1.0 else _WITHIN
+        is_outside = max(gaps, default=0.0) > 1.0
+        return "different" if self.apart or is_outside else "equal within bands"
 
 
 def diff(a: Table, b: Table) -> Difference:
-    """Compare two tables: curves and maps where their axes overlap, pads, records by key."""
-    curves_b, pads_b = _curves(b), vars(b.calibration)
+    """Compare two tables: curves, maps, fitted pads and tyres, and the keys of the records."""
+    curves_b, values_b = _curves(b), vars(b.calibration)
     gaps = {
         name: _gap(name, column, curve, curves_b[name][0])
         for name, (curve, column) in _curves(a).items()
@@ -115,17 +104,14 @@ def diff(a: Table, b: Table) -> Difference:
     return Difference(
         curves=tuple(gap for gap in gaps.values() if gap is not None),
         apart=tuple(name for name, gap in gaps.items() if gap is None),
-        values=tuple(_value_gap(n, x, pads_b[n]) for n, x in vars(a.calibration).items()),
+        values=tuple(_value_gap(n, x, values_b[n]) for n, x in vars(a.calibration).items()),
         changes=changes(a, b),
         identical=a.digest == b.digest,
     )
 
 
 def _curves(table: Table) -> dict[str, tuple[Map, str]]:
-    """Each curve, and each bounded column of a map, as a map and the name of its column.
-
-    The keys are names such as "D" and "map ratio".
-    """
+    """Curves and bounded columns of maps, each as a map and a column, by names like "map ratio"."""
     d, p, g = table.difference, table.paper, table.tyre
     curves: dict[str, tuple[Map, str]] = {
         "D": (_Curve(d.eta, d.D, d.lower, d.upper), "value"),
@@ -140,7 +126,7 @@ def _curves(table: Table) -> dict[str, tuple[Map, str]]:
 
 
 def _gap(name: str, column: str, a: Map, b: Map) -> _CurveGap | None:
-    """Return the gap of a column where the axes of ``a`` and ``b`` overlap, None if they do not."""
+    """Return the gap of a column; None if the axes of ``a`` and ``b`` do not overlap."""
     axes = []
     for x, y in zip(a.axes.values(), b.axes.values(), strict=True):
         # both maps are linear between the values of both axes, so the largest gap is at a value
@@ -176,15 +162,15 @@ def _quantile(x: Array, weights: Array) -> float:
 
 
 def _value_gap(name: str, a: Value, b: Value) -> _ValueGap:
-    gap, half_width = np.array([b.value - a.value]), Z95 * math.hypot(a.sigma, b.sigma)
-    in_bands = float(_in_bands(gap, np.array([half_width]))[0])
-    return _ValueGap(name, a.value, b.value, in_bands)
+    half_width = np.array(Z95 * math.hypot(a.sigma, b.sigma))
+    in_bands = _in_bands(np.array(b.value - a.value), half_width)
+    return _ValueGap(name, a.value, b.value, float(in_bands))
 
 
-def _in_bands(gap: Array, half_widths: Array) -> Array:
-    """Magnitudes of gaps over half widths (n,): 0 without a gap, infinite without a band."""
+def _in_bands(gap: Array, half_width: Array) -> Array:
+    """Magnitudes of gaps over half widths: 0 without a gap, infinite without a band."""
     in_bands = np.where(gap == 0.0, 0.0, math.inf)
-    np.divide(np.abs(gap), half_widths, out=in_bands, where=(half_widths > 0.0) & (gap != 0.0))
+    np.divide(np.abs(gap), half_width, out=in_bands, where=(half_width > 0.0) & (gap != 0.0))
     return in_bands
 
 
@@ -194,14 +180,14 @@ def changes(a: Table, b: Table) -> dict[str, tuple[_RecordChange, ...]]:
     changed: dict[str, tuple[_RecordChange, ...]] = {}
     for key in sorted({*first, *second}):
         if first.get(key) != second.get(key):
-            section, _, subkey = key.partition(".")
+            section, _, subkey = key.partition(".")  # no subkey in a section of one value
             change = _RecordChange(subkey or section, first.get(key), second.get(key))
             changed[section] = (*changed.get(section, ()), change)
     return changed
 
 
 def _record(table: Table) -> dict[str, Any]:
-    """Return the record without its long lists of numbers: scatter of D, fingerprints of logs."""
+    """Return the record without long lists of numbers: scatter of D, fingerprints of logs."""
     record, _ = table.content()
     record.get("spread", {}).pop("D", None)
     for log in record["provenance"]["logs"]:
@@ -210,27 +196,27 @@ def _record(table: Table) -> dict[str, Any]:
 
 
 def _flat(value: object, path: str = "") -> dict[str, str]:
-    """Return the single values of a JSON value, as JSON by dotted key.
+    """Return the numbers and texts in a JSON value, as JSON by dotted key.
 
-    Items of a list have their position as key, or their names if all have different names.
+    The key of an item of a list is its name if all items have different names, else its position.
     """
     if isinstance(value, dict):
-        items = {str(key): part for key, part in value.items()}
+        items = value
     elif isinstance(value, list):
         names = [part["name"] for part in value if isinstance(part, dict) and "name" in part]
         have_names = len(set(names)) == len(value)
-        keys = names if have_names else [str(i) for i in range(len(value))]
+        keys = names if have_names else range(len(value))
         items = dict(zip(keys, value, strict=True))
     else:
         return {path: json.dumps(value)}
     values: dict[str, str] = {}
     for key, part in items.items():
-        values |= _flat(part, f"{path}.{key}" if path else key)
+        values |= _flat(part, f"{path}.{key}" if path else str(key))
     return values
 
 
 def inputs_digest(record: dict[str, Any]) -> str:
-    """SHA-256 over the inputs of the fit in a record: name, vehicle, logs, settings, program.
+    """SHA-256 of the inputs of the fit in a record: name, vehicle, logs, settings, program.
 
     Fingerprints follow from the logs, so their numbers do not count.
     """
@@ -255,11 +241,13 @@ def is_same_fit(a: Table, b: Table) -> bool:
 
 def _numbers(value: Any, path: str = "") -> Iterator[tuple[str, NDArray[Any]]]:
     """Yield numbers, lists and columns with their dotted keys; a fitted value is one list."""
-    if isinstance(value, dict) and value.keys() != _VALUE:
+    if not isinstance(value, dict):
+        yield path, np.asarray(value)
+    elif value.keys() == _VALUE:
+        yield path, np.array(list(value.values()))
+    else:
         for key, part in value.items():
             yield from _numbers(part, f"{path}.{key}")
-    else:
-        yield path, np.asarray(list(value.values()) if isinstance(value, dict) else value)
 
 
 def _is_near(a: NDArray[Any], b: NDArray[Any]) -> bool:

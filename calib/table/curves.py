@@ -16,20 +16,15 @@ MEASURED, INTERPOLATED, EXTRAPOLATED = 0.0, 1.0, 2.0
 
 @dataclass(frozen=True)
 class DifferenceCurve:
-    """D = F_f - F_r over eta, on the branch where eta rises; D(1) = 0. Shapes (n,), all [1].
-
-    ``lower`` and ``upper`` are the 95 % band, ``count`` is the number of blocks of the row, and
-    ``flag`` is one of the flags above. ``own`` is the share of the variance that differs from run
-    to run of the same car; 0 in a mean of cars.
-    """
+    """D = F_f - F_r over eta, on the branch where eta rises; D(1) = 0. Shapes (n,), all [1]."""
 
     eta: Array
     D: Array
-    lower: Array
+    lower: Array  # lower end of the 95 % band
     upper: Array
-    count: Array
-    flag: Array
-    own: Array
+    count: Array  # number of blocks of the row
+    flag: Array  # one of the flags above
+    own: Array  # share of the variance that differs from run to run of a car; 0 in a mean of cars
 
     @property
     def peak(self) -> tuple[float, float]:
@@ -67,8 +62,8 @@ class PaperCurves:
     def read(self, name: str, eta: ArrayLike) -> Array:
         """Return a column at ``eta`` [1], linear between rows; NaN beyond the measured rows."""
         rows = self.measured_rows
-        column = vars(self)[name][rows]
-        return np.asarray(np.interp(np.asarray(eta), self.eta[rows], column, np.nan, np.nan))
+        column: Array = getattr(self, name)
+        return np.asarray(np.interp(np.asarray(eta), self.eta[rows], column[rows], np.nan, np.nan))
 
     @property
     def measured_rows(self) -> Mask:
@@ -97,14 +92,10 @@ def _ends(x: Array) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class TyreCurve:
-    """The tyre curve g(slip), common to both axles. Shapes (n,), all [1].
-
-    ``force`` is the normalised force at half of the weight on the axle. The other columns are as in
-    `DifferenceCurve`.
-    """
+    """The tyre curve g(slip), common to both axles; columns as in `DifferenceCurve`."""
 
     slip: Array
-    force: Array
+    force: Array  # normalised force where the axle carries half of the weight
     lower: Array
     upper: Array
     count: Array

@@ -21,24 +21,27 @@ from calib.table.curves import DifferenceCurve, PaperCurves, TyreCurve
 from calib.table.maps import MAPS, Map
 from calib.table.table import Table
 
-BITS = (8, 16, 32)
-"""Widths of the signed integer types of C [bit]."""
-_MAX_SHIFT = 52
-"""Largest `Fixed.shift`: the step is then that of a double at 1."""
+BITS = (8, 16, 32)  # widths of the signed integer types of C
+LEAST_BITS = 16
+"""Least number of bits for the axes of a map and the scalars of a table.
+
+The axis (eta - 1)/z needs small steps near 0 and a wide range, and with 8 bits mass and pads would
+be 0.8 % wrong.
+"""
+_MAX_SHIFT = 52  # largest `Fixed.shift`: the step is then that of a double at 1
+_NOT_READ = ("share", "prior")  # columns that the estimator does not read
+_LEAST_WIDTH = 1e-3  # least width of bounds that counts in the weights of breakpoints [1]
 
 
 @dataclass(frozen=True)
 class Fixed:
-    """Fixed point: integers ``raw`` (n,) of ``bits``, with value = origin + raw * 2^-shift.
-
-    ``error`` is the largest rounding error, in the unit of the values: at most 2^-(shift + 1).
-    """
+    """Fixed point: integers ``raw`` (n,) of ``bits``, with value = origin + raw * 2^-shift."""
 
     raw: Index
     bits: int
     origin: float
     shift: int
-    error: float = 0.0
+    error: float = 0.0  # largest rounding error, in the unit of the values; at most 2^-(shift + 1)
 
     @property
     def step(self) -> float:
@@ -71,20 +74,6 @@ def _to_fixed(values: Array, bits: int, origin: float = 0.0) -> Fixed:
     return Fixed(raw, bits, origin, shift, float(error))
 
 
-_Curve = TypeVar("_Curve", DifferenceCurve, PaperCurves, TyreCurve)
-
-LEAST_BITS = 16
-"""Least number of bits for the axes of a map and the scalars of a table.
-
-The axis (eta - 1)/z needs small steps near 0 and a wide range, and with 8 bits mass and pads would
-be 0.8 % wrong.
-"""
-_NOT_READ = ("share", "prior")
-"""Columns that the estimator does not read."""
-_LEAST_WIDTH = 1e-3
-"""Least width of bounds that counts in the weights of breakpoints [1]."""
-
-
 class Written(NamedTuple):
     """A column as it is written: numbers ``values`` (n,), or the integers of ``fixed``."""
 
@@ -101,15 +90,13 @@ class Written(NamedTuple):
 class Precision:
     """How a table is written: in integers of ``bits``, in ``single`` precision, else in double.
 
-    ``points`` is the number of breakpoints on each axis, which are the rows that make the least
-    error; None for all rows. ``code`` says whether C code reads the table. Raises ExchangeError for
-    integers together with single precision.
+    Raises ExchangeError for integers together with single precision.
     """
 
-    points: int | None = None
+    points: int | None = None  # number of rows to keep on each axis, None for all rows
     bits: int | None = None
     single: bool = False
-    code: bool = False
+    code: bool = False  # whether C code reads the table
 
     def __post_init__(self) -> None:
         if self.single and self.bits is not None:
@@ -117,9 +104,10 @@ class Precision:
 
     def __str__(self) -> str:
         points = "all rows" if self.points is None else f"{self.points} breakpoints"
-        width = "single" if self.single else "double"
-        precision = f"{points}, {self.bits} bits" if self.bits else f"{points}, {width} precision"
-        return f"C code, {precision}" if self.code else precision
+        width = "single precision" if self.single else "double precision"
+        if self.bits:
+            width = f"{self.bits} bits"
+        return f"C code, {points}, {width}" if self.code else f"{points}, {width}"
 
     @property
     def wide(self) -> "Precision":
@@ -128,7 +116,7 @@ class Precision:
 
     @property
     def floating(self) -> int:
-        """Bits of a floating-point number in the ECU, which converts integers to single ones."""
+        """Bits of a floating-point number in the ECU, which converts integers to single."""
         return 32 if self.single or self.bits else 64
 
     def computed(self, values: Array) -> Array:
@@ -154,12 +142,9 @@ class Precision:
             width, finer = f"{self.bits} bits", "more bits"
             if self.bits is None:
                 width, finer = "single precision", "double precision"
-            raise ExchangeError(
-                f"in {width} some breakpoints become equal",
-                where=name,
-                expected="an axis that increases strictly",
-                do=f"take fewer points, or {finer}",
-            )
+            flaw = f"in {width} some breakpoints become equal"
+            expected, do = "an axis that increases strictly", f"take fewer points, or {finer}"
+            raise ExchangeError(flaw, where=name, expected=expected, do=do)
         # C code searches an axis in floating point, so its axes are not integers
         return Written(self.computed(written.read)) if self.code and self.bits else written
 
@@ -171,24 +156,18 @@ class Precision:
         if self.points is None:
             return np.arange(len(x))
         if not FEWEST <= self.points <= len(x):
-            raise ExchangeError(
-                f"{self.points} breakpoints",
-                where=name,
-                expected=f"{FEWEST} to {len(x)}, the rows of the table",
-            )
+            expected = f"{FEWEST} to {len(x)}, the rows of the table"
+            raise ExchangeError(f"{self.points} breakpoints", where=name, expected=expected)
         return place(x, curves, self.points)
 
 
 @dataclass(frozen=True)
 class WrittenMap:
-    """A map as it is written: ``axes`` and ``columns`` by name.
-
-    ``misfit`` has the errors of the written map, and for each axis the place of the largest error.
-    """
+    """A map as it is written."""
 
     axes: dict[str, Written]
     columns: dict[str, Written]
-    misfit: dict[str, Misfit]
+    misfit: dict[str, Misfit]  # by axis: the place of the largest error is on that axis
 
 
 def written_map(whole: Map, how: Precision, label: str) -> WrittenMap:
@@ -196,17 +175,17 @@ def written_map(whole: Map, how: Precision, label: str) -> WrittenMap:
 
     Raises ExchangeError as `Precision.axis`, with the ``label`` of the map.
     """
-    values = {
-        name: x[_rows(whole, i, how.points)] for i, (name, x) in enumerate(whole.axes.items())
-    }
-    axes = {name: how.wide.axis(f"{label}, {name}", x) for name, x in values.items()}
+    axes = {}
+    for i, (name, x) in enumerate(whole.axes.items()):
+        values = x[_rows(whole, i, how.points)]
+        axes[name] = how.wide.axis(f"{label}, {name}", values)
     reduced = whole.on([axis.read for axis in axes.values()])
     columns = {name: how.numbers(getattr(reduced, name)) for name in whole.names}
     return WrittenMap(axes, columns, _misfit(whole, reduced))
 
 
 def _rows(whole: Map, i: int, points: int | None) -> Index:
-    """Return the values of axis ``i`` to keep, by the slices along it of all columns that are read.
+    """Return the values of axis ``i`` to keep, for all columns that are read.
 
     The square of an error has the weight of the share of stops in its cell, over the square of the
     width of the bounds there.
@@ -219,7 +198,7 @@ def _rows(whole: Map, i: int, points: int | None) -> Index:
     share = whole.grid("share") if "share" in whole.names else 1.0
     weight = share / np.maximum(width, _LEAST_WIDTH) ** 2
 
-    def slices(grid: Array) -> Array:
+    def slices(grid: Array) -> Array:  # rows along the axis (k, n)
         return np.moveaxis(grid, i, -1).reshape(-1, x.size)
 
     names = [name for name in whole.names if name not in _NOT_READ]
@@ -244,9 +223,8 @@ def _misfit(whole: Map, reduced: Map) -> dict[str, Misfit]:
 def as_exported(table: Table, how: Precision) -> Table:
     """Return a table with curves and maps as an ECU reads them in an export of this precision.
 
-    Curves have the bands, counts and flags of the rows that remain. Mass, lengths and pads are not
-    rounded here: an export has them with 16 bits or more, so within 0.003 %. Raises ExchangeError
-    as the methods of `Precision`.
+    Bands, counts and flags of curves are not rounded, nor are mass, lengths and pads: an export has
+    these within 0.003 %, with 16 bits or more. Raises ExchangeError as `Precision` does.
     """
     p, d, g = table.paper, table.difference, table.tyre
     rows = how.rows("eta", p.eta, np.array([p.f1, p.f2, d.D]))
@@ -264,6 +242,9 @@ def as_exported(table: Table, how: Precision) -> Table:
         tyre=_curve(g, tyre_rows, how, "slip", 0.0, "force"),
         **maps,
     )
+
+
+_Curve = TypeVar("_Curve", DifferenceCurve, PaperCurves, TyreCurve)
 
 
 def _curve(

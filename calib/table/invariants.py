@@ -1,6 +1,6 @@
 """Conditions that every table must satisfy, whether its fit is good or not.
 
-Each check yields its violations in words; `violations` runs all checks.
+`violations` runs all checks, each of which yields what it finds in words.
 """
 
 from collections.abc import Iterator
@@ -14,8 +14,7 @@ from calib.car.forces import axle_loads
 from calib.table.maps import MAPS, Map, columns
 from calib.table.table import COLUMNS, Table
 
-_TOLERANCE = 1e-9
-"""Tolerance of (18) [1]: a million times the rounding error, since f1 and f2 are below 1."""
+_TOLERANCE = 1e-9  # of (18) [1]: a million times the rounding error, as f1 and f2 are below 1
 
 
 def violations(table: Table) -> tuple[str, ...]:
@@ -33,6 +32,7 @@ def _parts(table: Table) -> Iterator[tuple[str, dict[str, Array]]]:
 
 
 def _shapes(table: Table) -> Iterator[str]:
+    """Columns of a part must have one shape, (n,), with at least two rows."""
     for name, part in _parts(table):
         first, *others = sorted({column.shape for column in part.values()})
         if others or len(first) != 1:
@@ -44,7 +44,7 @@ def _shapes(table: Table) -> Iterator[str]:
 def require_finite(table: Table) -> None:
     """Raise NotFiniteError with the name of the quantity if a number is not finite."""
     for flaw in _finite(table):
-        raise not_finite(flaw.partition(":")[0], table.name)
+        raise not_finite(flaw.partition(":")[0], table.name)  # the name is before the colon
 
 
 def _finite(table: Table) -> Iterator[str]:

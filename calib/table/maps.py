@@ -27,17 +27,14 @@ class Map:
 
     @classmethod
     def from_grids(cls, axes: Sequence[Array], **grids: Array) -> Self:
-        """Return the map with the columns ``grids``, each of the shape of ``axes``.
-
-        ``axes`` are in the order of `AXES`.
-        """
+        """Return the map over ``axes``, in the order of `AXES`, with a column for each grid."""
         flat = [x.ravel() for x in np.meshgrid(*axes, indexing="ij")]
         columns = {name: np.ravel(grid) for name, grid in grids.items()}
         return cls(**dict(zip(cls.AXES, flat, strict=True)), **columns)
 
     @property
     def axes(self) -> dict[str, Array]:
-        """The values of each axis by its name, rising."""
+        """The values of each axis by name, rising."""
         return {name: np.unique(getattr(self, name)) for name in self.AXES}
 
     @property
@@ -52,7 +49,7 @@ class Map:
 
     @property
     def bounded_columns(self) -> tuple[str, ...]:
-        """Names of the columns with bounds, which are the columns NAME_lower and NAME_upper."""
+        """Names of the columns with bounds, the columns NAME_lower and NAME_upper."""
         return tuple(name for name in self.names if f"{name}_lower" in self.names)
 
     @property
@@ -67,7 +64,7 @@ class Map:
         return column.reshape(self.shape)
 
     def on(self, axes: Sequence[Array]) -> Self:
-        """Return the map, interpolated to other values of the axes in the order of `AXES`."""
+        """Return the map interpolated to other axes, in the order of `AXES`."""
         return self.from_grids(axes, **self(*np.meshgrid(*axes, indexing="ij")))
 
     def __call__(self, *points: ArrayLike) -> dict[str, Array]:
@@ -78,7 +75,7 @@ class Map:
 class Reader:
     """Interpolates columns of a map, linearly in each cell.
 
-    ``columns`` are names of c columns, or rows of names: then the result has their shape (r, c).
+    ``columns`` are names of c columns, or r rows of c names. Then (c, ...) below is (r, c, ...).
     """
 
     def __init__(self, m: Map, columns: Sequence[str] | Sequence[Sequence[str]]) -> None:
@@ -115,46 +112,35 @@ class Reader:
 
 @dataclass(frozen=True)
 class PadMap(Map):
-    """ln of the pads' ratio, given z, eta and slip. Shapes (n,), all [1].
+    """ln of the pads' ratio given z, eta and slip: medians with 95 % bounds. Shapes (n,), all [1].
 
-    The axis ``z`` is the brake force over the weight, by the zeroed deceleration. The axis
-    ``shift`` is (eta - 1)/z. The axis ``slip`` is ln(slip/z) less its mean ``log_slip`` at this z
-    and shift, over its standard deviation ``log_slip_sigma``.
-
-    ``ratio`` is ln of front over rear pad friction, relative to the vehicle file, and ``change`` is
-    the same relative to the ramp; both are medians with 95 % bounds. ``share`` is the share of the
-    stops with this z that have this shift. ``prior`` is the width of the bounds of the ratio over
-    their width without eta and slip: 1 where eta and slip say nothing.
+    The axis ``z`` is the brake force over the weight, by the zeroed deceleration.
     """
 
     AXES: ClassVar[tuple[str, ...]] = ("z", "shift", "slip")
 
-    shift: Array
-    slip: Array
-    ratio: Array
+    shift: Array  # (eta - 1)/z
+    slip: Array  # ln(slip/z) less `log_slip`, over `log_slip_sigma`
+    ratio: Array  # ln of front over rear pad friction, relative to the vehicle file
     ratio_lower: Array
     ratio_upper: Array
-    change: Array
+    change: Array  # as `ratio`, relative to the ramp
     change_lower: Array
     change_upper: Array
-    log_slip: Array
-    log_slip_sigma: Array
-    share: Array
-    prior: Array
+    log_slip: Array  # mean of ln(slip/z) at this z and shift
+    log_slip_sigma: Array  # its standard deviation
+    share: Array  # share of the stops with this z that have this shift
+    prior: Array  # width of the bounds of `ratio` over that without eta and slip, at most 1
 
 
 @dataclass(frozen=True)
 class LevelMap(Map):
-    """Level and ratio of the pads given z alone: medians with 95 % bounds. Shapes (n,), all [1].
+    """Level and ratio of the pads given z alone: medians with 95 % bounds. Shapes (n,), all [1]."""
 
-    ``level`` is ln of the true brake force over the brake force by the zeroed deceleration z.
-    ``ratio`` and ``change`` are as in `PadMap`.
-    """
-
-    level: Array
+    level: Array  # ln of the true brake force over the brake force by the zeroed deceleration z
     level_lower: Array
     level_upper: Array
-    ratio: Array
+    ratio: Array  # `ratio` and `change` as in `PadMap`
     ratio_lower: Array
     ratio_upper: Array
     change: Array
@@ -168,39 +154,23 @@ _WIDTHS = {"forms": 5, "depart_eta": 10, "depart_slip": 10}
 
 @dataclass(frozen=True)
 class Draws:
-    """Cars drawn from the posterior of a fit, equally likely. Shapes (n,), unit [1], or as said.
+    """Cars drawn from the posterior of a fit, equally likely. Shapes (n,), unit [1], or as said."""
 
-    Attributes
-    ----------
-    log_pad_ratio, log_pad_level : ln of the pads' ratio and of their level, over the vehicle file.
-    compliance_f, compliance_r : slip per normalised force at small slip and half the weight.
-    load_exponent : exponent with which the compliance grows with the load.
-    peak_load_exponent : exponent with which the peak falls with the load.
-    peak : largest normalised force at half the weight.
-    forms : weights of `calib.car.tyre_forms` (n, 5).
-    radius_load : relative fall of a rolling radius per 100 % of load.
-    v_late : delay of v after the wheel speeds [s].
-    cg_to_front_axle, cg_height : [m].
-    weight : M g [N].
-    depart_eta, depart_slip : relative error of the model's shape of eta - 1 and of the mean slip,
-        at ten decelerations (n, 10).
-    """
-
-    log_pad_ratio: Array
-    log_pad_level: Array
-    compliance_f: Array
+    log_pad_ratio: Array  # ln of the pads' ratio, relative to the vehicle file
+    log_pad_level: Array  # ln of the pads' level, relative to the vehicle file
+    compliance_f: Array  # slip per normalised force at small slip and half the weight
     compliance_r: Array
-    load_exponent: Array
-    peak_load_exponent: Array
-    peak: Array
-    forms: Array
-    radius_load: Array
-    v_late: Array
-    cg_to_front_axle: Array
-    cg_height: Array
-    weight: Array
-    depart_eta: Array
-    depart_slip: Array
+    load_exponent: Array  # with which the compliance grows with the load
+    peak_load_exponent: Array  # with which the peak falls with the load
+    peak: Array  # largest normalised force at half the weight
+    forms: Array  # weights of `calib.car.tyre_forms` (n, 5)
+    radius_load: Array  # relative fall of a rolling radius per 100 % of load
+    v_late: Array  # delay of v after the wheel speeds [s]
+    cg_to_front_axle: Array  # [m]
+    cg_height: Array  # [m]
+    weight: Array  # M g [N]
+    depart_eta: Array  # relative error of the model's eta - 1, at ten decelerations (n, 10)
+    depart_slip: Array  # relative error of the model's mean slip, at ten decelerations (n, 10)
 
     @classmethod
     def from_columns(cls, **columns: Array) -> Self:
@@ -229,4 +199,4 @@ MAPS: dict[str, type[Map]] = {"map": PadMap, "level_map": LevelMap}
 """The maps of a table by name."""
 
 UNITS = {"v_late": "s", "cg_to_front_axle": "m", "cg_height": "m", "weight": "N"}
-"""Units of the columns that are not dimensionless."""
+"""Units of the columns with a unit other than 1."""

@@ -33,9 +33,9 @@ if TYPE_CHECKING:
     import pandas as pd
 
 _OPTIONAL = {
-    *("own_effects", "empirical", "notes", "fingerprint", "warnings", "spread"),
-    *("identity", "parents", "pad_friction_tolerance"),
-}
+    "own_effects", "empirical", "notes", "fingerprint", "warnings", "spread", "identity", "parents",
+    "pad_friction_tolerance",
+}  # fmt: skip
 """Keys that are left out of a record where their value is empty."""
 
 _CURVES = {"difference": DifferenceCurve, "paper": PaperCurves, "tyre": TyreCurve}
@@ -61,41 +61,32 @@ class Value:
 
 @dataclass(frozen=True)
 class Calibration:
-    """Pads and tyres as the ramps show them, all [1].
+    """Pads and tyres as the ramps show them, all [1]."""
 
-    ``pad_scale`` is the common factor on the pads of the vehicle file; ``pad_log_ratio`` is ln of
-    (mu_f/mu_r) over its nominal value; ``slip_stiffness`` is normalised force per slip at small
-    slip and half the weight, the geometric mean of the axles.
-    """
-
-    pad_scale: Value
-    pad_log_ratio: Value
+    pad_scale: Value  # common factor on the pads of the vehicle file
+    pad_log_ratio: Value  # ln of (mu_f/mu_r) over its nominal value
     pad_friction_f: Value
     pad_friction_r: Value
     slip_stiffness: Value
+    """Normalised force per slip at small slip and half the weight, geometric mean of the axles."""
 
 
 @dataclass(frozen=True)
 class LogReference:
-    """A log of the fit.
-
-    ``digest`` is the SHA-256 of its bytes; ``role`` is its use in the fit, such as "ramp";
-    ``notes`` are those of its reader. ``fingerprint`` tells a copy of the run from another run.
-    ``sample_time`` [s] is not part of a table's content: older tables keep their digests.
-    """
+    """A log of the fit."""
 
     name: str
-    digest: str
-    role: str
-    notes: tuple[str, ...] = ()
-    fingerprint: Fingerprint | None = None
-    sample_time: float | None = None
+    digest: str  # SHA-256 of its bytes
+    role: str  # its use in the fit, such as "ramp"
+    notes: tuple[str, ...] = ()  # what its reader noted
+    fingerprint: Fingerprint | None = None  # tells a copy of the run from another run
+    sample_time: float | None = None  # [s]; no part of the content, so older digests stay
 
     def is_run_of(self, log: Log) -> bool:
         """Whether ``log`` is this run, even if it was cut, thinned, rounded or resampled."""
-        return log.digest == self.digest or (
-            self.fingerprint is not None and same_as(self.fingerprint, log)
-        )
+        if log.digest == self.digest:
+            return True
+        return self.fingerprint is not None and same_as(self.fingerprint, log)
 
 
 @dataclass(frozen=True)
@@ -108,17 +99,14 @@ class TableReference:
 
 @dataclass(frozen=True)
 class Provenance:
-    """Where a table comes from: its logs, the settings of the fit and the program.
-
-    ``identity`` has names and numbers of the car, such as its VIN. ``parents`` are the tables that
-    were merged into this table, or the cars of its prior, see `Table.fleet`.
-    """
+    """Where a table comes from: its logs, the settings of the fit and the program."""
 
     logs: tuple[LogReference, ...]
     settings: dict[str, float]
     program: str
-    identity: dict[str, str] = field(default_factory=dict)
+    identity: dict[str, str] = field(default_factory=dict)  # of the car, such as its VIN
     parents: tuple[TableReference, ...] = ()
+    """The tables that were merged into this table, or the cars of its prior, see `Table.fleet`."""
 
     @property
     def sample_time(self) -> float | None:
@@ -133,17 +121,13 @@ class Provenance:
 
 @dataclass(frozen=True)
 class TableBudget:
-    """Uncertainty of pads and tyres by part, see `calib.table.budget`; all of logarithms [1].
+    """Uncertainty of pads and tyres by part, see `calib.table.budget`; all of logarithms [1]."""
 
-    ``front`` and ``rear`` are standard deviations of the pad frictions. ``level``, ``ratio`` and
-    ``stiffness`` are variances of the pads' level, of their ratio and of the slip stiffness.
-    """
-
-    front: dict[str, float]
-    rear: dict[str, float]
-    level: dict[str, float]
-    ratio: dict[str, float]
-    stiffness: dict[str, float]
+    front: dict[str, float]  # standard deviations of the front pad friction
+    rear: dict[str, float]  # standard deviations of the rear pad friction
+    level: dict[str, float]  # variances of the pads' level
+    ratio: dict[str, float]  # variances of the pads' ratio
+    stiffness: dict[str, float]  # variances of the slip stiffness
 
     @property
     def axles(self) -> tuple[dict[str, float], dict[str, float]]:
@@ -153,13 +137,10 @@ class TableBudget:
 
 @dataclass(frozen=True)
 class Scatter:
-    """Standard deviation ``between`` cars, and standard error ``of_mean`` of their mean.
+    """How a value differs between cars."""
 
-    ``of_mean`` counts no errors that are common to all cars.
-    """
-
-    between: float
-    of_mean: float
+    between: float  # standard deviation
+    of_mean: float  # standard error of the mean, without errors that are common to all cars
 
 
 @dataclass(frozen=True)
@@ -180,14 +161,7 @@ class FleetScatter:
 
 @dataclass(frozen=True, eq=False)
 class Table(Viewable):
-    """A fitted table; the store makes a version of it.
-
-    ``map`` has the pads' ratio given z, eta and slip, ``level_map`` level and ratio given z alone.
-    Both are made from draws of the posterior, some of which are ``draws``. ``effects`` are drag and
-    rolling resistance as fitted; other known effects are in ``vehicle``. ``noise`` is the noise
-    density of each sensor over long times [unit * s^0.5]. ``quality`` has the metrics of the fit.
-    ``spread`` is the scatter between the cars if the table is their mean.
-    """
+    """A fitted table; the store makes a version of it."""
 
     name: str
     vehicle: Vehicle
@@ -196,16 +170,16 @@ class Table(Viewable):
     tyre: TyreCurve
     map: PadMap
     level_map: LevelMap
-    draws: Draws
+    draws: Draws  # some of the draws of the posterior that the maps are made from
     calibration: Calibration
     budget: TableBudget
-    effects: Effects
-    noise: dict[str, float]
-    quality: dict[str, float]
+    effects: Effects  # drag and rolling resistance as fitted; `vehicle` has other known effects
+    noise: dict[str, float]  # noise density of each sensor over long times [unit * s^0.5]
+    quality: dict[str, float]  # metrics of the fit
     remarks: tuple[str, ...]
     provenance: Provenance
     warnings: tuple[PlausibilityWarning, ...] = ()
-    spread: FleetScatter | None = None
+    spread: FleetScatter | None = None  # scatter between the cars if the table is their mean
 
     def __repr__(self) -> str:
         eta, pads = self.paper.eta, self.calibration
@@ -240,12 +214,15 @@ class Table(Viewable):
         return frame
 
     def content(self) -> tuple[dict[str, Any], dict[str, dict[str, Array]]]:
-        """Return the record (JSON types) and the curves, maps and draws (named float columns)."""
+        """Return the record (JSON types) and the curves, maps and draws (named float columns).
+
+        Keys that older tables lack are left out where they say nothing, so that digests stay.
+        """
         curves = {name: columns(getattr(self, name)) for name in COLUMNS}
         record = asdict(self)
         vehicle_effects = record["vehicle"].pop("effects")
         record["vehicle"]["effects"] = vehicle_effects["parameters"]
-        if self.vehicle.motor_odds == Vehicle.motor_odds:
+        if self.vehicle.motor_odds == Vehicle.motor_odds:  # the default
             del record["vehicle"]["motor_odds"]
         definitions = self.vehicle.effects.defined_in.items()
         record["own_effects"] = {name: asdict(effect) for name, effect in definitions}
@@ -263,7 +240,7 @@ class Table(Viewable):
 
     @property
     def not_sensed(self) -> dict[str, str]:
-        """Effects that an ECU cannot take out, each with the signal that it lacks.
+        """Effects that an ECU cannot take out, each with the signal that the ECU lacks.
 
         Wheel pressures count if the fit warned that they differ from p_mc.
         """
@@ -279,7 +256,7 @@ class Table(Viewable):
 
     @property
     def effect_values(self) -> dict[str, dict[str, Value]]:
-        """The fitted parameters of ``effects`` with their sigma [SI], by effect and parameter."""
+        """The parameters of ``effects`` with their sigma [SI], by effect and parameter."""
         sigma = self.effects.sigma
         return {
             effect: {name: Value(value, sigma[effect][name]) for name, value in named.items()}

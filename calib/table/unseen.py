@@ -1,7 +1,7 @@
 """Entries of a vehicle file whose errors the logs cannot show, and measurements that would.
 
-A wrong entry makes level and ratio of the fitted pads wrong. A warning comes only when these are
-outside the usual scatter of pads of one kind, so smaller errors go unseen.
+A wrong entry makes the level or the ratio of the fitted pads wrong (`calib.table.budget`). Only a
+level or ratio outside the usual scatter of pads gives a warning, so smaller errors go unseen.
 """
 
 import math
@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from calib.base.intervals import Z95
-from calib.base.warning import RULES
+from calib.base.warning import RULES, bounds_of
 from calib.car.balance import front_share
 from calib.car.beliefs import CAR, LOG
 from calib.car.forces import axle_loads
@@ -20,8 +20,7 @@ from calib.table.table import Table
 
 _LARGEST = {"a_x": 0.08, "rolling_radius": 0.08}
 """Largest relative error that the rule `a_x_by_wheels` does not show [1]."""
-_LARGEST_OTHER = 0.5
-"""Largest relative error of other entries that is considered [1]."""
+_LARGEST_OTHER = 0.5  # largest relative error of other entries that is considered [1]
 _RADIUS_SIGMA = 0.01  # relative standard deviation of a file's radii, by wear and inflation [1]
 _SHOWN_BY = {
     "mass": "weigh the car with driver and load (--mass)",
@@ -35,20 +34,14 @@ _BRAKES_SHOWN_BY = "a roller brake tester (--bench), or the drawing of the brake
 
 
 class Unseen(NamedTuple):
-    """An ``entry`` of the vehicle file, or a channel, whose error may go unseen.
-
-    ``doubt`` is the relative standard deviation of the entry that the intervals of the table count
-    [1], None if they count none. ``front`` and ``rear`` are the relative changes of the pad
-    frictions per relative error of the entry [1]. ``up_to`` is the largest relative error without a
-    warning [1]. ``shown_by`` is a measurement that would show the error.
-    """
+    """An ``entry`` of the vehicle file, or a channel, whose error may go unseen; figures in [1]."""
 
     entry: str
-    doubt: float | None
-    front: float
-    rear: float
-    up_to: float
-    shown_by: str
+    doubt: float | None  # relative standard deviation in the table's intervals; None: not counted
+    front: float  # relative change of the front pad friction per relative error of the entry
+    rear: float  # relative change of the rear pad friction per relative error of the entry
+    up_to: float  # largest relative error without a warning
+    shown_by: str  # measurement that would show the error
 
 
 def unseen_entries(table: Table, v: bool, mass: float | None = None) -> list[Unseen]:
@@ -60,7 +53,7 @@ def unseen_entries(table: Table, v: bool, mass: float | None = None) -> list[Uns
     mass_sigma = table.vehicle.mass_tolerance if mass is None else mass
     entries = [_unseen(table, *entry) for entry in _entries(table, v, mass_sigma)]
     up_to = {entry.entry: entry.up_to for entry in entries}
-    # the file's pads have a weight in the fitted ratio; they give a warning as a wrong area does
+    # wrong pads of the file give a warning at the same error as a wrong piston area
     weight, sigma = _nominal_weight(table), grade_sigma(table.vehicle)
     for axle, change in (("front", weight), ("rear", -weight)):
         pads = _unseen(table, f"{axle}.pad_friction", sigma, 0.0, change)
@@ -74,7 +67,7 @@ def unseen_entries(table: Table, v: bool, mass: float | None = None) -> list[Uns
 
 
 def unseen_line(entries: list[Unseen]) -> str:
-    """Return text with the entries that change all pads alike, each with its largest error."""
+    """Return text on the entries that change all pads alike, each with its largest error."""
     alike = [x for x in entries if x.front == x.rear]
     errors = ", ".join(f"{x.entry} ±{100.0 * x.up_to:.0f} %" for x in alike)
     return f"{errors}, and {len(entries) - len(alike)} entries of an axle or its load"
@@ -83,7 +76,7 @@ def unseen_line(entries: list[Unseen]) -> str:
 def _entries(
     table: Table, v: bool, mass: float
 ) -> Iterator[tuple[str, float | None, float, float]]:
-    """Yield entries: name, doubt, change of ln of the pads' level and of ln of their ratio.
+    """Yield name, doubt, change of ln of the pads' level and change of ln of their ratio.
 
     The changes are per relative error of the entry. A wrong entry changes only that part of the
     ratio that comes from eta; the other part comes from the vehicle file.
@@ -115,9 +108,9 @@ def _share(table: Table) -> float:
 def _by_loads(table: Table) -> tuple[float, float]:
     """Change of ln of the pads' ratio per relative change of cg_height and cg_to_front_axle [1].
 
-    With equal tyres, eta fixes share/F_zf - (1 - share)/F_zr, by (22), where share is that of the
-    front axle in the brake force. So a wrong load makes the share wrong. Computed at half of the
-    ramp.
+    With equal tyres, eta fixes share/F_zf - (1 - share)/F_zr, by (22), where the share is that of
+    the front axle in the brake force. So a wrong load makes the share wrong.
+    Computed at half of the largest z of the ramp.
     """
     car, share = table.vehicle, _share(table)
     z = 0.5 * table.quality.get("deceleration_max", 0.4)
@@ -133,11 +126,10 @@ def _by_loads(table: Table) -> tuple[float, float]:
 def _unseen(table: Table, entry: str, doubt: float | None, level: float, ratio: float) -> Unseen:
     """Return an entry that changes ln of the pads' ``level`` and ``ratio`` per relative error."""
     share, pads = _share(table), table.calibration
-    level_rule = next(rule for rule in RULES if rule.code == "pads_off_file")
-    ratio_rule = next(rule for rule in RULES if rule.code == "pad_ratio")
+    sigmas = next(rule.sigmas for rule in RULES if rule.code == "pads_off_file")
     scale_sigma = pads.pad_scale.sigma / pads.pad_scale.value
-    level_limit = level_rule.sigmas * math.hypot(grade_sigma(table.vehicle), scale_sigma)
-    ratio_limit = max(ratio_rule.high, Z95 * pads.pad_log_ratio.sigma)
+    level_limit = sigmas * math.hypot(grade_sigma(table.vehicle), scale_sigma)
+    ratio_limit = max(bounds_of("pad_ratio")[1], Z95 * pads.pad_log_ratio.sigma)
     up_to = min(level_limit / max(abs(level), 1e-6), ratio_limit / max(abs(ratio), 1e-6))
     up_to = min(up_to, _LARGEST.get(entry, _LARGEST_OTHER))
     front, rear = level + (1.0 - share) * ratio, level - share * ratio
