@@ -60,7 +60,7 @@ def station_facts(run: StationRun) -> Facts:
     date = stored.state.stored_at[:10]
     identity = outcome.identity
     curves = Picture(_CURVES, lambda: table_sheet(outcome.table, stored.id), ("f1-f2", "map"))
-    of_car = [[check.judgement] for check in outcome.checks if check.stop is None]
+    of_car = [[check] for check in outcome.checks if check.stop is None]
     car, unknown = judged("The car as a whole, the worst first.", of_car)
     by_stop, unknown_too = stop_by_stop(outcome.results)
     budgets = outcome.table.budget.axles

@@ -37,7 +37,7 @@ def run_batch(
     executor: Executor,
     report: Callable[["BatchRun"], None] = lambda run: None,
 ) -> "BatchRun":
-    """Run the job on every log that ``arguments`` name, and write ``out``/results.parquet.
+    """Run the job on the logs of ``arguments``, see `find_logs`; write ``out``/results.parquet.
 
     An earlier run with the same settings is continued. ``report`` is called after each chunk.
     Raises LogError when an argument names no log, BatchError when ``out`` holds another batch or
@@ -55,8 +55,8 @@ def run_batch(
 class BatchRun:
     """A run over ``total`` logs: it submits them to workers and writes rows into the journal.
 
-    ``counts`` has the number of rows by status so far; ``computed`` of these are of this run, the
-    others of earlier runs. ``report`` is called with the run after each chunk, ``on_row`` with each
+    ``counts`` has the number of rows by status, ``computed`` the number of rows that this run and
+    no earlier one made. ``report`` is called with the run after each chunk, ``on_row`` with each
     new row.
     """
 
@@ -140,17 +140,15 @@ class BatchRun:
         if error is None:
             return future.result()
         self.executor.renew()
-        text = f"{item.name}: the worker died on it twice ({type(error).__name__}); is there "
-        text += "enough memory? the next run tries it again"
+        death = f"the worker died on it twice ({type(error).__name__})"
+        text = f"{item.name}: {death}; is there enough memory? the next run tries it again"
         return [Row(item.name, None, Status.ERROR, text, lost=True)]
 
     def _store(self, items: tuple[WorkItem, ...], rows: Rows) -> None:
         """Store the rows of a chunk, and count them. An unchanged log is in the journal already."""
         computed = [row for row in rows if row is not None]
         # a log that cannot be read has no digest and is tried each time: its row may be the same
-        new = [
-            row for row in computed if row.digest is not None or self.journal.row(row.log) != row
-        ]
+        new = [row for row in computed if row.digest or self.journal.row(row.log) != row]
         self.journal.add(new)
         self.computed += len(computed)
         unchanged = [item.name for item, row in zip(items, rows, strict=True) if row is None]
@@ -171,10 +169,10 @@ def _worker_error(future: Future[Rows]) -> BaseException | None:
 def find_logs(arguments: Iterable[str], out: Path) -> Iterator[str]:
     """Yield the paths of the logs, relative for a relative argument. A path may come twice.
 
-    An argument is a file, a pattern, or a folder, which means all logs in it and below. Hidden
-    files, the results in ``out``, and all of an ``out`` within a folder are left out. Raises
-    LogError for an argument without a log. A missing file with the ending of a log is a path, too:
-    its row will have an error.
+    An argument is a file, a pattern, or a folder with all logs in it and below. Hidden files, the
+    results in ``out``, and all of an ``out`` within a folder are left out. A missing file with the
+    ending of a log is a path, too: its row will have an error. Raises LogError for an argument
+    without a log.
     """
     results = os.path.realpath(out / NAME)
     for argument in arguments:
@@ -204,8 +202,7 @@ def logs_below(
 ) -> Iterator[str]:
     """Yield the paths of the logs in a folder and below, possibly none, as `find_logs` does.
 
-    ``on_error`` is called if a folder cannot be read; by default it raises LogError, otherwise the
-    folder is skipped.
+    A folder that cannot be read is skipped after ``on_error``, which by default raises LogError.
     """
     for place, folders, files in os.walk(folder, onerror=on_error):
         folders[:] = sorted(name for name in folders if not name.startswith("."))

@@ -4,8 +4,8 @@
     rows       log, digest, status, error, cells (JSON), lost
 
 Rows that finish together are one transaction, which is on the disk when `add` returns: a kill -9 or
-a power failure loses none of them. SQLite's exclusive lock on the journal keeps a second run out;
-the lock ends with the process.
+a power failure loses none of them. While a process runs, its exclusive lock on the database keeps a
+second run out.
 """
 
 import errno
@@ -51,9 +51,8 @@ class BatchJournal:
         elif stored != wanted:
             self.close()
             keys = sorted({*stored, *wanted})
-            differing = [key for key in keys if stored.get(key) != wanted.get(key)]
-            problem = f"holds results of other settings: {', '.join(differing)}"
-            raise BatchError(problem, where=folder, do=_DO)
+            differing = ", ".join(key for key in keys if stored.get(key) != wanted.get(key))
+            raise BatchError(f"holds results of other settings: {differing}", where=folder, do=_DO)
 
     def add(self, rows: Iterable[Row]) -> None:
         """Store rows, all or none. A row replaces an earlier row of its log."""
@@ -66,9 +65,11 @@ class BatchJournal:
 
     def row(self, log: str) -> Row | None:
         """Return the row of a log with exact floats, or None."""
-        for _, digest, status, error, cells, lost in self._select("* FROM rows WHERE log = ?", log):
-            return Row(log, digest, Status(status), error, tuple(json.loads(cells)), bool(lost))
-        return None
+        rows = self._select("* FROM rows WHERE log = ?", log)
+        if not rows:
+            return None
+        _, digest, status, error, cells, lost = rows[0]
+        return Row(log, digest, Status(status), error, tuple(json.loads(cells)), bool(lost))
 
     def digest(self, log: str) -> str | None:
         """Return the digest of a log that need not be tried again, else None."""
@@ -97,7 +98,7 @@ class BatchJournal:
 
 
 def _locked(path: Path) -> tuple[sqlite3.Connection, dict[str, str]]:
-    """Return the locked and checked database, and its settings, which are empty if it is new.
+    """Lock and check the database; return it, and its settings, which are empty if it is new.
 
     A file that is not a journal is not changed.
     """

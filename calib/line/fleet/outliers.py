@@ -1,6 +1,6 @@
 """Find the outliers of a fleet; the share of false ones is limited over the whole fleet.
 
-    distance       |x - median| over the upper quartile of these on the same side of the median
+    distance       |x - median| over the upper quartile of |x - median| on the same side
     p of a metric  two-sided, of a mixture of normal and Student distributions
     p of a car     the least p of its metrics, times the number of metrics (Bonferroni)
     outliers       by the rule of Benjamini and Hochberg (1995) over the cars
@@ -21,10 +21,8 @@ from calib.base.arrays import Array, Index, Mask
 
 _FALSE_SHARE = 0.03
 """Expected share of false ones among the outliers, and of normal fleets that have an outlier."""
-
 _REASON_P = 0.01
 """p times the number of metrics, up to which a further metric of an outlier is a reason, too."""
-
 FEWEST = 8  # fewest cars for a spread that can name outliers
 _CENSORED = 0.1  # share of the cars of a side that is censored: the outermost
 _FREEDOM = np.array([1e6, 8.0, 4.0, 2.5])
@@ -34,8 +32,8 @@ _QUARTILE = np.array([1.15035, 1.24032, 1.34440, 1.49085])
 _PRIOR = np.array([0.50, 0.25, 0.15, 0.10])
 """Prior share of each of the four among the sides of all metrics."""
 _PRIOR_WEIGHT = 0.5
-"""Number of sides as which the prior counts: with more, cars 9 sigma off hide in small fleets."""
-_EM_STEPS = 30  # steps of expectation and maximisation, after which the shares are constant
+"""Number of sides that the prior counts for: with more, cars 9 sigma off hide in small fleets."""
+_EM_STEPS = 30  # steps of expectation and maximisation; then the shares are constant
 
 
 @dataclass(frozen=True)
@@ -59,11 +57,9 @@ def find_outliers(values: Array, least: Sequence[float]) -> OutlierTest:
     from scipy.special import stdtr
     from scipy.stats import false_discovery_control
 
-    sides = [
-        (metric, cars, distance)
-        for metric, (row, step) in enumerate(zip(values, least, strict=True))
-        for cars, distance in _sides(row, step)
-    ]
+    sides: list[tuple[int, Index, Array]] = []
+    for metric, (row, step) in enumerate(zip(values, least, strict=True)):
+        sides += [(metric, cars, distance) for cars, distance in _sides(row, step)]
     p = np.full(values.shape, np.nan)
     weights = _tails([distance for _, _, distance in sides])
     for (metric, cars, distance), weight in zip(sides, weights, strict=True):
@@ -84,14 +80,15 @@ def find_outliers(values: Array, least: Sequence[float]) -> OutlierTest:
 def _sides(values: Array, least: float) -> list[tuple[Index, Array]]:
     """Return the cars on each side of a metric's median, and their distances.
 
-    There are no sides for too few cars or without scatter. A spread is at least ``least``. A side
+    The result is empty for too few cars or without scatter. A spread is at least ``least``. A side
     with too few cars has the spread of both sides.
     """
     cars = np.flatnonzero(np.isfinite(values))
     if cars.size < FEWEST:
         return []
     centre = float(np.median(values[cars]))
-    deviation, no_difference = values[cars] - centre, max(least, 1e-12 * abs(centre))  # rounding
+    deviation = values[cars] - centre
+    no_difference = max(least, 1e-12 * abs(centre))  # at least the rounding
     if np.median(np.abs(deviation)) <= no_difference:  # half of the cars or more have one value
         differs = np.abs(deviation) > no_difference
         if np.count_nonzero(differs) >= FEWEST:

@@ -62,14 +62,18 @@ class FleetFile:
         return np.asarray(self.table.column(name).cast("float64").to_numpy(), dtype=np.float64)
 
     def values(self, name: str) -> tuple[str | None, ...]:
-        """Return a column of text, n or, without such a column, none."""
+        """Return the n texts of a column; () without such a column."""
         exists = name in self.table.column_names
         return tuple(self.table.column(name).to_pylist()) if exists else ()
 
 
 def open_fleet(path: Path) -> FleetFile:
     """Read the results of a batch. Raises InputError for another file, or an unknown status."""
-    table = _read(path)
+    data = bytes_of(path, RESULT, InputError, _EXPECTED)
+    try:
+        table = parquet_table(data)
+    except ValueError as cause:
+        raise InputError("not a Parquet file, or cut off", where=path) from cause
     for name in ("log", "status", "error"):
         if name not in table.column_names:
             raise InputError(f"no column {name!r}", where=path, expected=_EXPECTED)
@@ -88,27 +92,17 @@ def open_fleet(path: Path) -> FleetFile:
     )
 
 
-def _natural(text: str) -> list[tuple[int, int, str]]:
-    """Return a key that sorts texts by the numbers in them.
+def _natural(text: str) -> list[str | int]:
+    """Return a key that sorts texts by the numbers in them: text, number, text, ...
 
     >>> sorted(["car10", "car9", "car1"], key=_natural)
     ['car1', 'car9', 'car10']
     """
-    parts = re.split(r"(\d+)", text)
-    return [(1, int(part), "") if part.isdecimal() else (0, 0, part) for part in parts]
-
-
-def _read(path: Path) -> Any:
-    """Return the Arrow table of a file. Raises InputError if it is missing or not Parquet."""
-    data = bytes_of(path, RESULT, InputError, _EXPECTED)
-    try:
-        return parquet_table(data)
-    except ValueError as cause:
-        raise InputError("not a Parquet file, or cut off", where=path) from cause
+    return [int(part) if part.isdecimal() else part for part in re.split(r"(\d+)", text)]
 
 
 def _column_of(field: Any) -> Column:
-    """Return the column of a field of the file's schema; a field of an unknown type is text."""
+    """Return the column of a field of the Arrow schema; a field of an unknown type is text."""
     import pyarrow.types as types
 
     unit = (field.metadata or {}).get(b"unit", b"1").decode()

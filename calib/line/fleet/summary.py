@@ -1,10 +1,10 @@
 """Summary of a fleet: the scatter of each metric, the outliers, and the errors by kind."""
 
+import itertools
 import re
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import zip_longest
 from typing import Any
 
 import numpy as np
@@ -33,8 +33,8 @@ class Outlier:
 class MetricSummary:
     """One metric over the k logs of the fleet that have a number of it.
 
-    ``rows`` are these logs, ``values`` their numbers, ``outlying`` tells the outliers, all (k,).
-    The metric is ``judged`` if there are enough values to find outliers.
+    ``rows`` are the indices of these logs, ``values`` their numbers, ``outlying`` tells the
+    outliers, (k,) each. The metric is ``judged`` if there are enough values to find outliers.
     """
 
     column: Column
@@ -94,7 +94,7 @@ class Summary:
 
     ``status``: number of logs by status
     ``failed``: for each log that fails, the limits that are not held; "" where they are not known
-    ``outliers``: for each outlier its reasons, the least p first, in the order of p of the logs
+    ``outliers``: for each outlier, in the order of p, its reasons, the least p first
     ``copies``: groups of logs that are the same recording
     """
 
@@ -128,12 +128,12 @@ class Summary:
 def summarise(fleet: FleetFile) -> Summary:
     """Return the summary of the results of a batch; its metrics are the columns of numbers."""
     numbers = [metric for metric in fleet.metrics if metric.kind is float]
-    # (metrics, logs), also without a metric
+    # (metrics, logs); the shape is also right without a metric
     values = np.array([fleet.numbers(m.name) for m in numbers]).reshape(-1, len(fleet.logs))
     test = find_outliers(values, [metric_of(metric.name).step for metric in numbers])
     statuses = fleet.values("status")
     counts = Counter(statuses)
-    with_limits = zip_longest(fleet.logs, statuses, fleet.values("not_held"))
+    with_limits = itertools.zip_longest(fleet.logs, statuses, fleet.values("not_held"))
     return Summary(
         logs=fleet.logs,
         status={status: counts[status] for status in Status if counts[status]},
@@ -146,7 +146,7 @@ def summarise(fleet: FleetFile) -> Summary:
 
 
 def _metrics(columns: list[Column], values: Array, test: OutlierTest) -> tuple[MetricSummary, ...]:
-    """Return the summary of each metric of ``values`` (m, n)."""
+    """Return the summary of each of the m metrics with ``values`` (m, n)."""
     metrics = []
     for column, x, p, outlying in zip(columns, values, test.p, test.reasons, strict=True):
         rows = np.flatnonzero(np.isfinite(x))
@@ -158,7 +158,7 @@ def _metrics(columns: list[Column], values: Array, test: OutlierTest) -> tuple[M
 def _outliers(
     logs: tuple[str, ...], columns: list[Column], values: Array, test: OutlierTest
 ) -> dict[str, list[Outlier]]:
-    """Return the reasons of each outlier, as `Summary.outliers`; ``values`` (m, n)."""
+    """Return `Summary.outliers` from the ``values`` (m, n) of m metrics of n logs."""
     outliers: dict[str, list[Outlier]] = {}
     rows = np.flatnonzero(test.reasons.any(axis=0))
     for row in sorted(rows, key=test.p_of_car.__getitem__):
@@ -171,7 +171,7 @@ def _outliers(
 
 
 def _copies(fleet: FleetFile) -> list[list[str]]:
-    """Return the groups of logs with one digest."""
+    """Return the groups of logs with the same digest."""
     by_digest: dict[str, list[str]] = {}
     for log, digest in zip(fleet.logs, fleet.values("digest"), strict=False):
         if digest is not None:
@@ -205,6 +205,7 @@ def kind_of(error: str, log: str) -> str:
 
 def document(summary: Summary) -> dict[str, Any]:
     """Return the JSON document of a summary."""
+    outliers = itertools.chain.from_iterable(summary.outliers.values())
     return {
         "schema": 1,
         "logs": len(summary.logs),
@@ -213,19 +214,16 @@ def document(summary: Summary) -> dict[str, Any]:
         "failed": summary.failed,
         "errors": summary.failures,
         "copies": summary.copies,
-        "outliers": sorted(
-            (reason for reasons in summary.outliers.values() for reason in reasons),
-            key=lambda reason: (reason.p, reason.log),
-        ),
+        "outliers": sorted(outliers, key=lambda outlier: (outlier.p, outlier.log)),
         "figures": {
-            m.column.name: {
-                "unit": m.column.unit,
-                "count": m.values.size,
-                "median": m.median,
-                "scale": m.scale,
-                "quantiles": m.quantiles,
-                "outliers": int(m.outlying.sum()),
+            metric.column.name: {
+                "unit": metric.column.unit,
+                "count": metric.values.size,
+                "median": metric.median,
+                "scale": metric.scale,
+                "quantiles": metric.quantiles,
+                "outliers": int(metric.outlying.sum()),
             }
-            for m in summary.metrics
+            for metric in summary.metrics
         },
     }

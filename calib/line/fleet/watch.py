@@ -30,7 +30,7 @@ _MAX_DELAY = 30.0  # longest delay of the results file behind the journal while 
 
 
 class _CompleteFiles:
-    """Files whose size and times of change were constant for ``settle`` [s]."""
+    """Files, each complete when its size and times of change were constant for ``settle`` [s]."""
 
     def __init__(self, settle: float):
         self.settle = settle
@@ -38,10 +38,7 @@ class _CompleteFiles:
         """Stamp of each file, see `_stamp`, and the time at which the file is ready [s]."""
 
     def ready(self, paths: Iterable[str], now: float) -> list[str]:
-        """Return those of ``paths`` that are complete and to be processed at the time ``now`` [s].
-
-        A new or changed file is ready ``settle`` after its last change was seen.
-        """
+        """Return those of ``paths`` that are complete at the time ``now`` [s]."""
         earlier, self._files = self._files, {}
         for path in paths:
             stamp = _stamp(path)
@@ -83,49 +80,51 @@ def watch(
     """Run the job on every log that appears in ``folder`` or below, until ``stop`` is set.
 
     ``folder`` is scanned each ``every`` [s]; a log is complete after ``settle`` [s] without change.
-    ``out`` has journal and results.parquet as in `run_batch`; names of logs are paths within
-    ``folder``. ``on_row`` is called with each row when it is on the disk, ``on_error`` once with
-    each folder that cannot be read. ``clock`` gives the time [s]. Returns the number of rows by
-    status.
-
-    A log is repeated only if its digest has changed. The row of a deleted log stays. Raises as
-    `run_batch`.
+    It is repeated only if its digest changes, and its row stays if it is deleted. ``out`` has
+    journal and results.parquet as in `run_batch`; names of logs are paths within ``folder``.
+    ``on_row`` is called with each row when it is on the disk, ``on_error`` once with each folder
+    that cannot be read. ``clock`` gives the time [s]. Returns the number of rows by status. Raises
+    as `run_batch`.
     """
     settings = {**job.settings(), "folder": printable(os.path.realpath(folder))}
     files, reported = _CompleteFiles(settle), set[str]()
     written_at, is_outdated = -math.inf, True  # of results.parquet
-
-    def until_stopped(logs: dict[str, str]) -> Iterator[tuple[str, str]]:
-        for name, path in logs.items():
-            if stop.is_set():
-                return
-            files.postpone(path)
-            yield name, path
-
     with closing(BatchJournal(out, settings)) as journal:
         while not stop.is_set():
-            errors: list[OSError] = []
-            paths = logs_below(str(folder), out, errors.append)
+            paths, flaws = _scan(folder, out)
+            for flaw in sorted(flaws - reported):
+                on_error(flaw)
+            reported = flaws
             ready = files.ready(paths, clock())
-            unreadable = {
-                f"{printable(str(e.filename))}: cannot be read ({e.strerror})" for e in errors
-            }
-            for text in sorted(unreadable - reported):
-                on_error(text)
-            reported = unreadable
             logs = {printable(os.path.relpath(path, folder)): path for path in ready}
             run = BatchRun(job, journal, executor, len(logs), on_row=on_row)
-            run.work(until_stopped(logs))
+            run.work(_started(logs, files, stop))
             for row in journal.rows(logs):
                 if row.digest is None or row.lost:
                     files.postpone(logs[row.log], clock() + _RETRY)
             is_outdated = is_outdated or bool(ready)
             is_idle = not ready or stop.is_set()
             if is_outdated and (is_idle or clock() - written_at > _MAX_DELAY):
-                names = journal.logs()
-                if names:
-                    write_results(journal.rows(names), settings, out)
+                all_names = journal.logs()
+                if all_names:
+                    write_results(journal.rows(all_names), settings, out)
                 is_outdated, written_at = False, clock()
             if not ready:
                 stop.wait(every)
         return journal.counts()
+
+
+def _scan(folder: Path, out: Path) -> tuple[list[str], set[str]]:
+    """Return the paths of all logs, and the reasons why folders cannot be read."""
+    errors: list[OSError] = []
+    paths = list(logs_below(str(folder), out, errors.append))
+    return paths, {f"{printable(str(e.filename))}: cannot be read ({e.strerror})" for e in errors}
+
+
+def _started(logs: dict[str, str], files: _CompleteFiles, stop: Event) -> Iterator[tuple[str, str]]:
+    """Yield name and path of each log until ``stop`` is set; a log that is started is not ready."""
+    for name, path in logs.items():
+        if stop.is_set():
+            return
+        files.postpone(path)
+        yield name, path

@@ -1,4 +1,4 @@
-"""Work on one log: read the log, run the command, return a row. An error becomes a row, too."""
+"""Work on a log: read the log, run the command, return a row. An error becomes a row, too."""
 
 import json
 import pickle
@@ -78,16 +78,13 @@ class WorkItem:
 def run_items(packed: bytes, items: tuple[WorkItem, ...]) -> list[Row | None]:
     """Return the rows of some logs in their order; None for a log whose digest has not changed.
 
-    ``packed`` is a pickled `Job`. Raises BatchError if the job comes from another version of the
-    program.
+    ``packed`` is a pickled `Job`. Raises BatchError for a job of another version of the program.
     """
     job: Job = _unpacked(packed)
     if job.version != VERSION:
-        raise BatchError(
-            f"a worker runs {PROGRAM}",
-            expected=f"version {job.version}, which sent the logs",
-            do="install the same version on all workers",
-        )
+        expected = f"version {job.version}, which sent the logs"
+        do = "install the same version on all workers"
+        raise BatchError(f"a worker runs {PROGRAM}", expected=expected, do=do)
     return [_run_item(job, item) for item in items]
 
 
@@ -95,17 +92,15 @@ _unpacked = lru_cache(maxsize=2)(pickle.loads)  # a worker gets the same job wit
 
 
 def _run_item(job: Job, item: WorkItem) -> Row | None:
-    """Return the row of one log; None if its digest has not changed."""
     digest, lost = None, False
+    file = Path(item.path)
     try:
-        data = log_bytes(Path(item.path), item.name)
+        data = log_bytes(file, item.name)
         digest = sha256(data)
         if digest == item.digest:
             return None
         require = () if job.command == Command.CHECK else REQUIRED
-        log = read_log(
-            Path(item.name), job.channel_map, require=require, data=data, file=Path(item.path)
-        )
+        log = read_log(Path(item.name), job.channel_map, require=require, data=data, file=file)
         status, cells = _RUNS[job.command](job, log)
         return Row(item.name, digest, status, None, cells)
     except BrakeCalError as error:
@@ -125,10 +120,9 @@ def _validate(job: Job, log: Log) -> Outcome:
 
     assert job.table is not None
     result = validate_one(job.table, log, job.vehicle, job.limits)
-    failed = [judgement.figure for judgement in result.judgements if judgement.verdict == FAILED]
-    not_held = ", ".join(failed) if failed else None
+    failed = (judgement.figure for judgement in result.judgements if judgement.verdict == FAILED)
     metrics = (finite_or_none(result.figures[name]) for name in METRICS)
-    cells = (*metrics, not_held, _codes(result.warnings))
+    cells = (*metrics, _joined(failed), _codes(result.warnings))
     return Status.PASSED if result.passed else Status.FAILED, cells
 
 
@@ -144,12 +138,6 @@ def _fit(job: Job, log: Log) -> Outcome:
     return Status.DONE, (*map(finite_or_none, metrics), _codes(table.warnings), table.digest)
 
 
-def _codes(warnings: Iterable[PlausibilityWarning]) -> str | None:
-    """Return the different codes in one text; None without a warning."""
-    codes = dict.fromkeys(warning.code for warning in warnings)
-    return ", ".join(codes) if codes else None
-
-
 def _check(job: Job, log: Log) -> Outcome:
     from calib.plausibility.check import check
     from calib.run.run import figures
@@ -159,6 +147,15 @@ def _check(job: Job, log: Log) -> Outcome:
     metrics = map(finite_or_none, figures(findings.run).values())
     cells = (*usable, *metrics, _codes(findings.warnings))
     return Status.PASSED if findings.usable else Status.FAILED, cells
+
+
+def _codes(warnings: Iterable[PlausibilityWarning]) -> str | None:
+    """Return the different codes in one text; None without a warning."""
+    return _joined(dict.fromkeys(warning.code for warning in warnings))
+
+
+def _joined(words: Iterable[str]) -> str | None:
+    return ", ".join(words) or None
 
 
 _RUNS: dict[Command, Callable[[Job, Log], Outcome]] = {

@@ -21,17 +21,17 @@ _PRELOADED = (
     *("scipy.special", "calib.plausibility.check", "calib.fitting.fit"),
     *("calib.estimation.validate", "calib.line.fleet.work"),
 )
-"""Modules that a command imports late. The server from which workers are forked imports them."""
+"""Modules that a command imports late. The process from which workers are forked imports them."""
 
 _TIMEOUT = "10s"  # longest wait for an answer of the scheduler, in Dask's spelling
 
 
 class Pool:
-    """Processes of this machine, ``workers`` of them."""
+    """A number of ``workers``, which are processes of this machine."""
 
-    def __init__(self, count: int):
-        self.workers = count
-        self._pool = worker_pool(count, *_PRELOADED)
+    def __init__(self, workers: int):
+        self.workers = workers
+        self._pool = worker_pool(workers, *_PRELOADED)
 
     def submit(self, packed: bytes, items: tuple[WorkItem, ...]) -> Future[Rows]:
         """Submit a chunk; ``packed`` as for `calib.line.fleet.work.run_items`."""
@@ -65,18 +65,16 @@ class Cluster:
             self._client.wait_for_workers(1, timeout=_TIMEOUT)
         except (OSError, ValueError) as cause:
             self.close()
-            raise BatchError(
-                f"no scheduler with workers answers: {cause or type(cause).__name__}",
-                where=address,
-                expected="the address of a Dask scheduler, like tcp://host:8786",
-                do=f"start `dask scheduler`, and some `dask worker {address}`",
-            ) from cause
+            problem = f"no scheduler with workers answers: {cause or type(cause).__name__}"
+            expected = "the address of a Dask scheduler, like tcp://host:8786"
+            do = f"start `dask scheduler`, and some `dask worker {address}`"
+            raise BatchError(problem, where=address, expected=expected, do=do) from cause
         self._address = address
 
     @property
     def workers(self) -> int:
         """The number of threads of all workers at this moment, at least 1."""
-        self.renew()
+        self.renew()  # raises BatchError without a scheduler
         try:
             threads: int = sum(self._client.nthreads().values())
         except OSError as cause:
@@ -92,7 +90,7 @@ class Cluster:
         return rows
 
     def renew(self) -> None:
-        """Raise BatchError without a scheduler. Dask itself replaces workers."""
+        """Raise BatchError without a scheduler; Dask itself replaces workers."""
         if self._client.status != "running":
             raise self._gone()
 

@@ -24,8 +24,8 @@ together, and PV of the cars. A negative variance counts as zero.
 If the cars do not differ, %GRR is near 100 % for any gauge, and only %GRR of the tolerance helps.
 Intervals are generalised confidence intervals (Burdick, Borror, Montgomery: Design and Analysis of
 Gauge R&R Studies, SIAM 2005): the 2.5 and 97.5 % points over draws, in which nu MS/chi2(nu) stands
-for each expected mean square; nu are its degrees of freedom.
-`tests/studies/results/repeatability_coverage.md` has how often they contain the truth.
+for each expected mean square; nu are its degrees of freedom. How often intervals contain the truth
+is in `tests/studies/results/repeatability_coverage.md`.
 """
 
 import math
@@ -52,10 +52,10 @@ _DRAWS = 20_000
 
 @dataclass(frozen=True)
 class _VarianceSource:
-    """A row of the analysis of variance: the cause ``source``, and its degrees of freedom ``df``.
+    """A row of the analysis of variance, for the cause ``source`` with ``df`` degrees of freedom.
 
-    ``ss`` is its sum of squares and ``ms`` its mean square, in the metric's unit squared.
-    ``effective_df`` is that of the chi-square distribution of the mean square, see `_effective_df`.
+    ``ss`` is the sum of squares and ``ms`` the mean square, in the metric's unit squared. The mean
+    square has a chi-square distribution of ``effective_df``, see `_effective_df`.
     """
 
     source: str
@@ -81,8 +81,7 @@ class Anova:
 def terms_of(car: Codes, station: Codes) -> tuple[str, ...]:
     """Return the causes that the design of n readings can separate, in order.
 
-    Stations are separated from cars if a car was on two of them, the interaction from repeats if a
-    car was twice on a station.
+    Stations are separated if a car was on two of them, the interaction if a car was twice on one.
     """
     names, columns = [CAR], _columns(car)
     for name, codes in ((STATION, station), (INTERACTION, _cell(car, station))):
@@ -147,7 +146,7 @@ def _cell(car: Codes, station: Codes) -> Codes:
 
 
 def _columns(codes: Codes) -> Array:
-    """Return a column for each level, 1 in its readings and 0 in the others, (n, levels)."""
+    """Return for each level a column that is 1 in its readings and else 0, (n, levels)."""
     return np.asarray(codes[:, None] == np.unique(codes)[None, :], dtype=np.float64)
 
 
@@ -183,9 +182,9 @@ class GaugeRR:
     """The scatter of a metric, as the JSON document of a study has it.
 
     ``components`` has the causes of the analysis by name, ``reproducibility`` if there are
-    stations, and ``gauge`` and ``total``. ``grr``, ``ndc`` and ``grr_of_tolerance`` are those of
-    the head of this file; the last is None without a tolerance. ``cars_differ`` tells whether the
-    interval of the standard deviation of the cars is above zero.
+    stations, and ``gauge`` and ``total``. ``grr`` is %GRR, ``grr_of_tolerance`` %GRR of the
+    tolerance, None without a tolerance. ``cars_differ`` tells whether the interval of the standard
+    deviation of the cars is above zero.
     """
 
     anova: tuple[_VarianceSource, ...]
@@ -197,10 +196,9 @@ class GaugeRR:
 
 
 def gauge_rr(analysis: Anova, tolerance: float | None = None) -> GaugeRR:
-    """Return components, %GRR and ndc of an analysis, and %GRR of a tolerance.
+    """Return the scatter by an analysis; ``tolerance`` is USL - LSL in the metric's unit.
 
-    ``tolerance`` is the width USL - LSL in the metric's unit. Raises ValueError if repeats do not
-    scatter.
+    Raises ValueError if repeats do not scatter.
     """
     if analysis.variances[REPEATABILITY] <= 0.0:
         raise ValueError("nothing scatters between repeats")
@@ -214,9 +212,9 @@ def gauge_rr(analysis: Anova, tolerance: float | None = None) -> GaugeRR:
         low, high = _interval(draws[name])
         components[name] = _Component(math.sqrt(variance), (math.sqrt(low), math.sqrt(high)))
     (grr, ndc), (grr_draws, ndc_draws) = _ratios(estimates), _ratios(draws)
-    gauge, of_tolerance = components[GAUGE], None
+    of_tolerance = None
     if tolerance:
-        factor = _SIGMAS / tolerance
+        gauge, factor = components[GAUGE], _SIGMAS / tolerance
         low, high = gauge.ci95
         of_tolerance = _Ratio(factor * gauge.sd, (factor * low, factor * high))
     return GaugeRR(
@@ -252,6 +250,5 @@ def _ratios(v: dict[str, Array]) -> tuple[Array, Array]:
 
 
 def _interval(draws: Array) -> tuple[float, float]:
-    """Return the 95 % interval of draws."""
     low, high = np.quantile(draws, [0.025, 0.975])
     return float(low), float(high)

@@ -6,6 +6,7 @@ a/ramp1.csv,VIN 7,line 2,wet,cars/7.toml    paths are relative to the folder of 
 
 import csv
 import os
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -34,19 +35,18 @@ class PlannedRamp:
 
 
 def read_plan(path: Path, vehicle: Path | None = None) -> tuple[PlannedRamp, ...]:
-    """Read a plan with commas or semicolons; ``vehicle`` is the vehicle file of rows without one.
+    """Read a plan with commas or semicolons; ``vehicle`` is for rows without a vehicle file.
 
-    Raises InputError if the file is not readable or a log or a column occurs twice. Ramps of
-    several roads are refused as well: the stiffness of the tyres depends on the road, so they are
-    no repeats.
+    Raises InputError if the file is not readable, if a log or a column occurs twice, and for ramps
+    of several roads: the stiffness of the tyres depends on the road, so they are no repeats.
     """
     ramps = tuple(_rows(path, vehicle))
     if not ramps:
         raise InputError("the plan has no logs", where=path, expected="a row for each log")
-    files = [os.path.realpath(ramp.log) for ramp in ramps]
-    repeated = [file for file in files if files.count(file) > 1]
-    if repeated:
-        raise InputError(f"{repeated[0]} occurs twice", where=path)
+    files = Counter(os.path.realpath(ramp.log) for ramp in ramps)
+    file, count = files.most_common(1)[0]
+    if count > 1:
+        raise InputError(f"{file} occurs twice", where=path)
     if len({bool(ramp.station) for ramp in ramps}) > 1:
         raise InputError("some logs have a station and some have none", where=path)
     if len({ramp.road for ramp in ramps}) > 1:
@@ -56,7 +56,6 @@ def read_plan(path: Path, vehicle: Path | None = None) -> tuple[PlannedRamp, ...
 
 
 def _rows(path: Path, vehicle: Path | None) -> Iterator[PlannedRamp]:
-    """Yield the ramp of each row. Raises InputError."""
     data = bytes_of(path, PLAN, InputError, _FILE)
     try:
         text = data.decode("utf-8-sig")
@@ -78,8 +77,8 @@ def _rows(path: Path, vehicle: Path | None) -> Iterator[PlannedRamp]:
         if len(row) > len(columns) or not (cells.get("log") and cells.get("car")):
             problem = f"row {number} has no log or car, or too many cells"
             raise InputError(problem, where=path, expected=_FILE)
-        vehicle_cell = cells.pop("vehicle", "")
-        vehicle_file = path.parent / vehicle_cell if vehicle_cell else vehicle
+        cell = cells.pop("vehicle", "")
+        vehicle_file = path.parent / cell if cell else vehicle
         yield PlannedRamp(path.parent / cells.pop("log"), vehicle=vehicle_file, **cells)
 
 

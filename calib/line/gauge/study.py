@@ -2,8 +2,8 @@
 
 ramps --fit, one table for each ramp--> metrics --anova--> components --limits--> verdict
 
-The scatter of the gauge is compared with the differences of the cars (%GRR, ndc) and, where it is
-known, with the tolerance of a metric; see `calib.line.gauge.gauge_rr`. One file has limits and
+The scatter of the gauge is compared with the differences of the cars (%GRR, ndc), and with the
+tolerance of a metric if it is known; see `calib.line.gauge.gauge_rr`. A file has both limits and
 tolerances:
 
     [limits]
@@ -35,14 +35,12 @@ from calib.logs.log import Log
 from calib.run.axle_signals import signals
 from calib.table.table import LogReference, Table
 
-_GOOD_GRR = 0.10
-"""%GRR up to which AIAG calls a gauge good; between this and the limit it is marginal."""
+_GOOD_GRR = 0.10  # %GRR up to which AIAG calls a gauge good; from here to the limit it is marginal
 
 METRICS = ("pad_scale", "pad_friction_f", "pad_friction_r", "eta_zero", "slip_stiffness")
 """Metrics of every ramp [1], see `metrics_of`."""
 
 _FIGURES = ("grr", "ndc", "grr_of_tolerance")  # figures of each metric that are judged
-
 KNOWN_LIMITS = (*_FIGURES, *METRICS)
 """Names that a file of limits may have. The limit of a metric is its tolerance."""
 
@@ -105,7 +103,7 @@ class GaugeStudy:
 
     @property
     def passed(self) -> bool:
-        """Whether no metric is refused."""
+        """Whether no metric has a verdict in `REFUSED`."""
         return all(result.verdict not in REFUSED for result in self.results)
 
     @property
@@ -116,14 +114,13 @@ class GaugeStudy:
     @property
     def stations(self) -> tuple[str, ...]:
         """Names of the stations, sorted; empty if the plan does not give them."""
-        return tuple(sorted({r.station for r in self.readings if r.station}))
+        return tuple(sorted({reading.station for reading in self.readings if reading.station}))
 
 
 def metrics_of(table: Table, log: Log) -> dict[str, float]:
     """Return the metrics of the ramp ``log`` from its ``table``.
 
-    The curves need no metrics of their own: D = C (eta - 1) with the slip stiffness C, and D gives
-    f1 and f2.
+    The curves need no metrics: D = C (eta - 1) with the slip stiffness C, and D gives f1 and f2.
     """
     s, pads = signals(log, table.vehicle.rear.rolling_radius), table.calibration
     omega_f, omega_r = (np.mean(omega[s.lead_in]) for omega in (s.omega_f, s.omega_r))
@@ -165,24 +162,19 @@ def _tolerances(limits: tuple[Limit, ...], where: object = None) -> dict[str, fl
         if limit.figure not in METRICS:
             continue
         if limit.low is None or limit.high is None or not limit.low < limit.high:
-            raise LimitsError(
-                f"{limit.figure} is the tolerance of a metric and needs two ends that are apart",
-                where=where,
-                expected=f"{limit.figure} = {{ min = LOW, max = HIGH }}",
-            )
+            flaw = f"{limit.figure} is the tolerance of a metric and needs two ends that are apart"
+            expected = f"{limit.figure} = {{ min = LOW, max = HIGH }}"
+            raise LimitsError(flaw, where=where, expected=expected)
         widths[limit.figure] = limit.high - limit.low
     return widths
 
 
-def study(
-    readings: tuple[GaugeReading, ...],
-    limits: tuple[Limit, ...] = _DEFAULTS,
-) -> GaugeStudy:
+def study(readings: tuple[GaugeReading, ...], limits: tuple[Limit, ...] = _DEFAULTS) -> GaugeStudy:
     """Analyse the readings, each metric by itself.
 
-    At least two cars and one repeated ramp are needed; stations are optional. The limit of a metric
-    is its tolerance. If ``limits`` has only tolerances, `_DEFAULTS` judge. Raises InputError for an
-    insufficient design, LimitsError for a tolerance with one end.
+    At least two cars and one repeated ramp are needed; stations are optional. If ``limits`` has
+    only tolerances, `_DEFAULTS` judge. Raises InputError for an insufficient design, LimitsError
+    for a tolerance with one end.
     """
     tolerances = _tolerances(limits)
     of_gauge = tuple(limit for limit in limits if limit.figure not in METRICS) or _DEFAULTS
@@ -194,11 +186,8 @@ def study(
     try:
         analyses = {name: anova(y, car, station, terms) for name, y in values.items()}
     except ValueError as cause:
-        raise InputError(
-            str(cause),
-            where=f"{len(readings)} ramps",
-            expected="two cars or more, and more ramps than cars and stations together",
-        ) from cause
+        expected = "two cars or more, and more ramps than cars and stations together"
+        raise InputError(str(cause), where=f"{len(readings)} ramps", expected=expected) from cause
     results = [
         _result(name, values[name], analysis, of_gauge, tolerances.get(name))
         for name, analysis in analyses.items()
@@ -216,7 +205,7 @@ def study(
 def _result(
     name: str, values: Array, analysis: Anova, limits: tuple[Limit, ...], tolerance: float | None
 ) -> GaugeResult:
-    """Return the result for one metric. Figures against alike cars say nothing and are left out."""
+    """Return the result for one metric, without %GRR and ndc if the cars do not differ."""
     try:
         gauge = gauge_rr(analysis, tolerance)
     except ValueError:
@@ -263,6 +252,5 @@ def _entry(result: GaugeResult) -> dict[str, object]:
     limits = [asdict(judgement) | judgement.outcome for judgement in result.judgements]
     entry: dict[str, object] = {"unit": "1", "verdict": result.verdict, "limits": limits}
     if result.gauge is None:
-        without = ("components", "grr", "ndc", "grr_of_tolerance", "cars_differ")
-        return entry | dict.fromkeys(without)
+        return entry | dict.fromkeys(("components", *_FIGURES, "cars_differ"))
     return entry | {"mean": float(result.values.mean()), **vars(result.gauge)}

@@ -53,8 +53,8 @@ def why_not_exported(stored: Stored) -> str:
 def publish_run(work: Path, out: Path) -> list[Path]:
     """Move everything from ``work`` into ``out``, the verdict last; return the paths.
 
-    Files of an earlier run that this run did not write are removed: the export of a car that passed
-    must not stay when the car fails. Raises OSError, see `calib.base.write.publish`.
+    Files of an earlier run are removed: the export of a car that passed must not stay when the car
+    fails. Raises OSError, see `calib.base.write.publish`.
     """
     return publish(work, out, DOCUMENT, _stale)
 
@@ -118,10 +118,7 @@ def to_text(document: dict[str, Any]) -> str:
 
 
 def _pads_of_ramp(table: Table) -> dict[str, float]:
-    """Return pad frictions [1], and brake torques of both wheels of an axle over pressure.
-
-    The torques are in N m/Pa; they are displayed per bar.
-    """
+    """Return pad frictions [1] and brake torques of an axle over pressure [N m/Pa]."""
     front, rear = table.vehicle.front, table.vehicle.rear
     mu_f, mu_r = table.calibration.pad_friction_f.value, table.calibration.pad_friction_r.value
     return {
@@ -133,14 +130,13 @@ def _pads_of_ramp(table: Table) -> dict[str, float]:
 
 
 def _check(check: StationCheck) -> dict[str, Any]:
-    judgement = check.judgement
     return {
         "scope": check.scope,
         "figure": check.figure,
         "meaning": metric_of(check.figure).meaning,
-        "value": finite_or_none(judgement.value),
-        "fail": [judgement.low, judgement.high],
-        "warn": [judgement.warn_low, judgement.warn_high],
+        "value": finite_or_none(check.value),
+        "fail": [check.low, check.high],
+        "warn": [check.warn_low, check.warn_high],
         "verdict": check.verdict,
         "action": check.action if check.verdict in (FAILED, WARNING) else None,
     }
@@ -150,13 +146,8 @@ def junit_xml(outcome: StationOutcome, stored: Stored) -> bytes:
     """Return the checks as JUnit XML. All times are zero, so the same car gives the same bytes."""
     environment = templates("calib.line.station", markup=True)
     environment.filters["clean"] = _clean
-    identifiers = {
-        "verdict": outcome.verdict,
-        "table": stored.id,
-        "digest": stored.digest,
-        "state": stored.state.word,
-        **outcome.identity,
-    }
+    identifiers = {"verdict": outcome.verdict, "table": stored.id, "digest": stored.digest}
+    identifiers |= {"state": stored.state.word, **outcome.identity}
     page = environment.get_template("junit.xml.j2").render(
         checks=outcome.checks,
         counts=outcome.counts,

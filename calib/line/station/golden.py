@@ -1,8 +1,8 @@
 """Distance of a car's table from the golden table of its model, in D(eta), pads and tyres.
 
 A golden table is the released table of a good car, or the mean of several good cars. It must be of
-the same track: D = C (eta - 1) and the stiffness of the tyres depend on the road, the pads do not.
-D is compared up to the end of the shorter curve.
+the same track, since D = C (eta - 1) and the stiffness of the tyres depend on the road. D is
+compared up to the end of the shorter curve.
 
 The mean of several cars gives the distance also in sigma of these cars:
 
@@ -36,18 +36,15 @@ def golden_table(store: Store, reference: str) -> Stored:
     """
     stored = store.released(reference)
     if not (stored.state.usable and stored.state.in_store):
-        raise StoreError(
-            f"is {stored.state.description}; no car is measured by it",
-            where=stored.id,
-            expected="a released version",
-        )
+        flaw = f"is {stored.state.description}; no car is measured by it"
+        raise StoreError(flaw, where=stored.id, expected="a released version")
     return stored
 
 
 def golden_metrics(table: Table, golden: Table) -> dict[str, float]:
-    """Return the `golden_` metrics of a car that both tables give.
+    """Return the `golden_` metrics that both tables give.
 
-    Metrics of D need an `_OVERLAP`, metrics in sigma a golden table of several cars.
+    Metrics of D need an `_OVERLAP`, metrics in sigma need a golden table of several cars.
     """
     pads, golden_pads = table.calibration, golden.calibration
     metrics = {
@@ -66,7 +63,7 @@ def golden_metrics(table: Table, golden: Table) -> dict[str, float]:
 
 
 def _distance(table: Table, golden: Table, end: float) -> dict[str, float]:
-    """Return the largest difference of D up to eta = ``end``, measured by two yardsticks.
+    """Return the largest difference of D up to eta = ``end``, over two scales.
 
     These are the golden table's largest D, and the 95 % half width of the difference.
     """
@@ -94,17 +91,14 @@ def _sigmas(
     pads, golden_pads = (pad_levels(t.vehicle, t.calibration) for t in (table, golden))
     stiffness, mean = (t.calibration.slip_stiffness.value for t in (table, golden))
     budget, freedom = table.budget, spread.freedom
-    sigmas = {
-        "golden_sigma_level": _sigma(
-            pads.level - golden_pads.level, spread.pad_level, per_run(budget.level), freedom
-        ),
-        "golden_sigma_ratio": _sigma(
-            pads.ratio - golden_pads.ratio, spread.pad_ratio, per_run(budget.ratio), freedom
-        ),
-        "golden_sigma_stiffness": _sigma(
-            math.log(stiffness / mean), spread.stiffness, per_run(budget.stiffness), freedom
-        ),
-    }
+    of_logarithms = (  # name, difference from the mean, scatter of the cars, parts of the budget
+        ("level", pads.level - golden_pads.level, spread.pad_level, budget.level),
+        ("ratio", pads.ratio - golden_pads.ratio, spread.pad_ratio, budget.ratio),
+        ("stiffness", math.log(stiffness / mean), spread.stiffness, budget.stiffness),
+    )
+    sigmas = {}
+    for name, difference, scatter, parts in of_logarithms:
+        sigmas[f"golden_sigma_{name}"] = _sigma(difference, scatter, per_run(parts), freedom)
     if end is not None:
         curve, golden_curve = table.difference, golden.difference
         row = int(np.argmax(np.where(golden_curve.eta <= end, np.abs(golden_curve.D), -1.0)))

@@ -15,8 +15,7 @@ from calib.base.bounded import VALIDATION, read_bounded
 from calib.base.errors import printable
 from calib.line.station.files import DOCUMENT, REFUSED
 
-INDEX, LIVE = "index.html", "live.html"
-"""Names of the page, and of a copy of the page that reloads itself every few seconds."""
+INDEX, LIVE = "index.html", "live.html"  # the page, and a copy that reloads itself
 UNREADABLE = "not readable"  # verdict of a run whose station.json or refused.json is damaged
 NO_VERDICT = "refused"  # verdict of a car that could not be judged
 
@@ -28,7 +27,7 @@ class IndexedRun:
     ``place``: folder of the run, relative to that of the index
     ``written_at``: time of the verdict [s since 1970]
     ``bad``: number of checks and warnings that speak against the car
-    ``why``: the first of these checks, as (metric, stop, value, next step)
+    ``why``: the first of these checks, a failed one if any, as (metric, stop, value, next step)
     ``trend``: the metrics `TRENDS` by name, with their ``limits`` (low, high)
     ``refusal``: why the car could not be judged
     """
@@ -83,7 +82,8 @@ def _run(path: Path, place: str, written_at: float) -> IndexedRun:
         run = IndexedRun(place, written_at, NO_VERDICT, car, str(identity.get("station", "")))
         if path.name == REFUSED:
             return replace(run, bad=1, refusal=str(document["error"]["message"]))
-        checks, metrics = document["checks"], document["figures"] | document.get("pads_of_ramp", {})
+        checks = document["checks"]
+        metrics = document["figures"] | document.get("pads_of_ramp", {})
         failed = [check for check in checks if check["verdict"] == "failed"]
         bad = failed + [check for check in checks if check["verdict"] == "warning"]
         reasons = [(c["figure"], c["scope"], c["value"], c["action"] or "") for c in bad]

@@ -13,11 +13,11 @@ from calib.line.station.metrics import METRICS as OF_CAR
 
 
 def _limit(figure: str) -> Limit:
-    """Return the default limit of a metric: that of the station, or else that of `validate`."""
+    """Return the default limit of a metric: that of the car, or else that of a stop."""
     metric = METRICS[figure]
-    of_station = metric.low, metric.high, metric.warn_low, metric.warn_high
-    has_limit = any(end is not None for end in of_station)
-    return Limit(figure, *(of_station if has_limit else metric.stop), metric.required)
+    of_car = metric.low, metric.high, metric.warn_low, metric.warn_high
+    has_limit = any(end is not None for end in of_car)
+    return Limit(figure, *(of_car if has_limit else metric.stop), metric.required)
 
 
 _JUDGED = [figure for figure, metric in METRICS.items() if metric.judged]
@@ -43,17 +43,15 @@ def limits_of_stops(path: Path | None) -> tuple[Limit, ...]:
 
 def document() -> list[dict[str, Any]]:
     """Return the default limits with their units, reasons and next steps, as plain data."""
-    rows = [(limit, METRICS[limit.figure]) for limit in LIMITS]
-    return [
-        {
-            "limit": limit,
-            # a metric with a factor, such as 100 for a percentage, has its limits as a share
-            "unit": metric.unit if metric.unit and metric.factor == 1.0 else "1",
-            "reason": metric.reason,
-            "action": metric.action,
-        }
-        for limit, metric in rows
-    ]
+    rows = []
+    for limit in LIMITS:
+        metric = METRICS[limit.figure]
+        # a metric with a factor, such as 100 for a percentage, has its limits as a share
+        unit = metric.unit if metric.unit and metric.factor == 1.0 else "1"
+        rows.append(
+            {"limit": limit, "unit": unit, "reason": metric.reason, "action": metric.action}
+        )
+    return rows
 
 
 _EXAMPLE = "torque_error_f = { max = 0.05 }"

@@ -36,8 +36,8 @@ def metrics_of(
 ) -> dict[str, float | None]:
     """Return all `METRICS` of a car; None where its logs cannot give a metric.
 
-    ``ramps`` are the logs that ``table`` was fitted on, without coasts; ``results`` those of the
-    hold-outs; ``golden`` is the golden table of the model.
+    ``ramps`` are the logs that ``table`` was fitted on, without coasts; ``results`` are those of
+    the hold-outs; ``golden`` is the golden table of the model.
     """
     pads, runs = table.calibration, [Run(log) for log in ramps]
     car = table.vehicle.with_pads(pads.pad_friction_f.value, pads.pad_friction_r.value)
@@ -56,17 +56,17 @@ def metrics_of(
     for axle in "fr":
         differences = [side_difference(table, run, axle) for run in runs]
         metrics[f"side_difference_{axle}"] = _largest(differences)
-    of_stops = agreement(results)
-    if of_stops:
-        metrics["repeatability_f"] = of_stops.largest_departure_f
-        metrics["repeatability_r"] = of_stops.largest_departure_r
+    between_stops = agreement(results)
+    if between_stops:
+        metrics["repeatability_f"] = between_stops.largest_departure_f
+        metrics["repeatability_r"] = between_stops.largest_departure_r
     if golden:
         metrics |= golden_metrics(table, golden)
     return {name: metrics.get(name) for name in METRICS}
 
 
 def _largest(values: Sequence[float | None]) -> float | None:
-    """Return the value of largest magnitude, with its sign; None without a value."""
+    """Return the value of largest magnitude with its sign, None without a value."""
     return max((value for value in values if value is not None), key=abs, default=None)
 
 

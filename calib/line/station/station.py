@@ -40,7 +40,7 @@ Identity = Mapping[str, str]
 
 TITLES = {"serial": "Serial number", "vin": "VIN", "station": "Station", "rxswin": "RXSWIN"}
 """Titles of the identifiers: number of the car or its brake control unit, number of the car, place
-of the run, and number of the software by UN R156."""
+of the run, number of the software by UN R156."""
 
 
 def identifier(text: str) -> str:
@@ -51,11 +51,10 @@ def identifier(text: str) -> str:
 
 
 @dataclass(frozen=True)
-class StationCheck:
-    """A metric judged by its limit, of the hold-out ``stop`` or, if that is None, of the car."""
+class StationCheck(Judgement):
+    """A judgement of a metric of the hold-out ``stop``, or of the car if ``stop`` is None."""
 
-    stop: str | None
-    judgement: Judgement
+    stop: str | None = None
 
     @property
     def scope(self) -> str:
@@ -63,24 +62,14 @@ class StationCheck:
         return "car" if self.stop is None else self.stop
 
     @property
-    def figure(self) -> str:
-        """The name of the metric."""
-        return self.judgement.figure
-
-    @property
-    def verdict(self) -> str:
-        """`passed`, `warning`, `failed` or `not known`."""
-        return self.judgement.verdict
-
-    @property
     def text(self) -> str:
         """Value and limit in words: `Front brakes, left less right: 31 %; limit: -20 to 20 %`."""
-        judgement, metric = self.judgement, metric_of(self.figure)
-        kind, limit = "limit", metric.bounds(judgement.low, judgement.high)
+        metric = metric_of(self.figure)
+        kind, limit = "limit", metric.bounds(self.low, self.high)
         if self.verdict == WARNING:
-            kind, limit = "no warning", metric.bounds(judgement.warn_low, judgement.warn_high)
+            kind, limit = "no warning", metric.bounds(self.warn_low, self.warn_high)
         prefix = "" if self.stop is None else f"stop {self.stop}, "
-        return f"{prefix}{metric.name}: {metric.with_unit(judgement.value)}; {kind}: {limit}"
+        return f"{prefix}{metric.name}: {metric.with_unit(self.value)}; {kind}: {limit}"
 
     @property
     def action(self) -> str:
@@ -96,7 +85,7 @@ class StationOutcome:
     ``table`` was fitted on ``ramps`` and on coasts. ``results`` are those of the hold-outs in their
     order, ``golden`` is the golden table of the model. ``accepted`` says why warnings are accepted;
     "" accepts none. ``by`` is who answers for the verdict, "" the user of the computer.
-    ``limits_file`` names the file of ``limits`` with its digest, "" stands for default limits.
+    ``limits_file`` names the file of ``limits`` with its digest, "" for default limits.
     """
 
     table: Table
@@ -123,16 +112,15 @@ class StationOutcome:
     def checks(self) -> list[StationCheck]:
         """The check of every metric of the car and of its stops that has a limit."""
         limits = tuple(limit for limit in self.limits if limit.figure in OF_CAR)
-        of_car = [StationCheck(None, judgement) for judgement in judge(limits, self.figures)]
-        of_stops = [
-            StationCheck(r.log, judgement) for r in self.results for judgement in r.judgements
-        ]
-        return of_car + of_stops
+        checks = [StationCheck(**vars(judgement)) for judgement in judge(limits, self.figures)]
+        for result in self.results:
+            checks += [StationCheck(**vars(x), stop=result.log) for x in result.judgements]
+        return checks
 
     @property
     def logs(self) -> list[tuple[str, str, str]]:
         """Role, name and digest of each log."""
-        roles = ("ramp", "coast")  # without a tyre file
+        roles = ("ramp", "coast")  # not "tyre", a tyre file
         fitted = [log for log in self.table.provenance.logs if log.role in roles]
         stops = [(result.role, result.log, result.digest) for result in self.results]
         return [(log.role, log.name, log.digest) for log in fitted] + stops
@@ -160,16 +148,14 @@ class StationOutcome:
         """The numbers of checks and warnings in a sentence."""
         counts, warnings = self.counts, len(self.warnings)
         labels = {FAILED: "failed", WARNING: "with a warning", NOT_KNOWN: "not known"}
-        others = [
-            f"{counts[verdict]} {label}" for verdict, label in labels.items() if counts[verdict]
-        ]
+        others = [f"{counts[word]} {label}" for word, label in labels.items() if counts[word]]
         checks = ", ".join([f"{counted(counts[PASSED], 'check')} passed", *others])
         of_logs = f"; {counted(warnings, 'warning')} of its logs" if warnings else ""
         return f"{checks}{of_logs}{self._unproved}"
 
     @property
     def _unproved(self) -> str:
-        """A remark where the stops have neither truth nor speed that could prove the table."""
+        """A remark if the stops have neither truth nor speed, so that they prove nothing."""
         return f", {CONSISTENT}" if self.passed and proof_of(self.results) == NONE else ""
 
     def decision(self, digest: str) -> StateDecision:
@@ -206,15 +192,10 @@ def judged_car(
 ) -> StationOutcome:
     """Fit the table of a car, validate it on its stops, and judge both by the limits.
 
-    Parameters
-    ----------
-    ramps, coasts : logs for the fit.
-    stops : hold-outs of the same car.
-    identity : identifiers of the run, which the provenance of the table holds.
-    mass : mass of the car in these logs [kg], if it is not that of ``vehicle``.
-    golden : golden table of the model.
-    report : called after the fit and after each stop.
-    fields : further fields of `StationOutcome`.
+    ``ramps`` and ``coasts`` are for the fit, ``stops`` are hold-outs. ``identity`` gets into the
+    provenance of the table. ``mass`` is that of the car in these logs [kg], if not that of
+    ``vehicle``. ``golden`` is the golden table of the model. ``report`` is called after the fit and
+    after each stop. ``fields`` are further fields of `StationOutcome`.
 
     Raises VehicleError for a golden table of another model, LogError for a ramp without braking, a
     coast with braking, or a stop that is a copy of a log of the fit.
@@ -240,11 +221,9 @@ def _require_roles(table: Table, ramps: Sequence[Log], coasts: Sequence[Log]) ->
     for role, logs in (("ramp", ramps), ("coast", coasts)):
         for log in logs:
             if roles[log.digest] != role:
-                raise LogError(
-                    f"given as a {role}, and it is a {roles[log.digest]}",
-                    where=log.source,
-                    do="the ramp comes first, further ones with --ramp, coasts with --coast",
-                )
+                flaw = f"given as a {role}, and it is a {roles[log.digest]}"
+                do = "the ramp comes first, further ones with --ramp, coasts with --coast"
+                raise LogError(flaw, where=log.source, do=do)
 
 
 def car_warnings(table: Table, results: Sequence[Validation]) -> tuple[PlausibilityWarning, ...]:
@@ -257,10 +236,7 @@ def car_warnings(table: Table, results: Sequence[Validation]) -> tuple[Plausibil
 
 
 def level_change(table: Table, result: Validation) -> float | None:
-    """Return the brake force of a stop over that with the pads of the ramp [1].
-
-    The result is None if the pad friction of the stop is not known.
-    """
+    """Return the brake force of a stop over that with the ramp's pads [1]; None if not known."""
     mu_f, mu_r = (result.figures[f"pad_friction_{axle}"] for axle in "fr")
     if mu_f is None or mu_r is None:
         return None
