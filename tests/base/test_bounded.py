@@ -4,12 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from calib.base import bounded
 from calib.base.bounded import POINTER, TOML, FileKind, bytes_of, open_bounded, read_bounded
 from calib.base.errors import InputError, LogError, SettingsError
 
 SMALL = FileKind("small", 0.001)
-KINDS = [kind for kind in vars(bounded).values() if isinstance(kind, FileKind)]
 
 
 def test_a_regular_file_is_read_through_links(tmp_path):
@@ -42,10 +40,6 @@ def test_a_file_whose_size_its_system_does_not_know():
         read_bounded(Path("/proc/self/maps"), FileKind("small", 0.0001))
 
 
-def pipe(path):
-    os.mkfifo(path)
-
-
 def listening(path):
     with socket.socket(socket.AF_UNIX) as server:
         server.bind(os.path.relpath(path))
@@ -54,7 +48,7 @@ def listening(path):
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (pipe, "a pipe or a device"),
+        (os.mkfifo, "a pipe or a device"),
         (Path.mkdir, "directory"),
         (lambda path: path.symlink_to("/dev/zero"), "a pipe or a device"),
         (lambda path: path.symlink_to(path), "symbolic links"),

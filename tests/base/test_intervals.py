@@ -5,12 +5,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.stats import norm
 
-from calib.base.intervals import (
-    likelihood_ratio,
-    noise_over,
-    second_differences,
-    white_noise,
-)
+from calib.base.intervals import likelihood_ratio, noise_over, second_differences, white_noise
 
 
 def test_second_differences_have_the_variance_of_their_parts():

@@ -8,14 +8,7 @@ from hypothesis import strategies as st
 from pydantic import Field
 
 from calib.base.errors import LimitsError, SettingsError
-from calib.base.record import (
-    FileSchema,
-    OneOf,
-    QuantityMark,
-    Section,
-    by_name,
-    validated,
-)
+from calib.base.record import FileSchema, OneOf, QuantityMark, Section, by_name, validated
 from calib.base.settings_file import read_settings
 from calib.base.toml import quantity, written_quantity
 
@@ -55,10 +48,8 @@ def test_quantities_come_in_si():
 def test_a_table_by_name_keeps_the_order_of_the_file():
     tables = {"rear": {"radius": "0.3 m"}, "front": {"radius": "0.4 m"}}
     file = validated({**WHOLE, "by_place": tables}, CarFile, "car", LimitsError)
-    assert [(name, w.radius) for name, w in file.by_place.entries()] == [
-        ("rear", 0.3),
-        ("front", 0.4),
-    ]
+    radii = [(name, wheel.radius) for name, wheel in file.by_place.entries()]
+    assert radii == [("rear", 0.3), ("front", 0.4)]
 
 
 @pytest.mark.parametrize(

@@ -90,7 +90,7 @@ def test_all_mistakes_are_one_error(written):
     with pytest.raises(SettingsError) as refused:
         read_settings(path)
     message = str(refused.value)
-    assert "7 errors" in message
+    assert message.startswith(f"{path}: 7 errors")
     for part in (
         "did you mean 'store'",
         "did you mean 'golden'",
@@ -99,7 +99,5 @@ def test_all_mistakes_are_one_error(written):
         "limits: ''",
         "by: ",
         "keys.public",
-        str(path),
     ):
         assert part in message
-    assert refused.value.exit_code == 3

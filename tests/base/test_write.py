@@ -60,10 +60,8 @@ def test_a_kill_at_every_step_leaves_one_run_or_no_verdict(tmp_path):
         run(out, "old", "1")
         stopped = killed(lambda out=out: run(out, "new", "2"), step)
         remaining = visible_files(out)
-        assert VERDICT not in remaining or remaining in (
-            result_of("old", "1"),
-            result_of("new", "2"),
-        )
+        whole = result_of("old", "1"), result_of("new", "2")
+        assert VERDICT not in remaining or remaining in whole
         outcomes.add(remaining.get(VERDICT))
         run(out, "third", "3")
         assert visible_files(out).items() >= result_of("third", "3").items()
@@ -122,7 +120,7 @@ def test_what_is_in_the_way_is_found_before_anything_is_changed(tmp_path, name):
 
 
 def test_many_writers_of_one_folder_wait_for_each_other(tmp_path):
-    """Each adds one to a number, which loses none only where one at a time reads and writes it."""
+    """Each child counts in a file; counts are lost if two read and write it at one time."""
     folder, children = tmp_path / "shared", []
     for _ in range(4):
         children.append(os.fork())

@@ -33,8 +33,8 @@ def test_a_table_differs_in_nothing_from_itself(table):
 
 @given(st.floats(20.0, 40.0), st.floats(20.0, 40.0), st.integers(5, 60), st.integers(5, 60))
 def test_stiffness_gap_is_its_closed_form(first, second, rows_a, rows_b):
-    # D = C (eta - 1): the gap is (C_b - C_a) (eta - 1), largest at the end x = 0.005; the
-    # half-width is 2 (eta - 1) in both tables.
+    # D = C (eta - 1): the gap is (C_b - C_a) (eta - 1), largest where eta - 1 ends, at 0.005
+    # half of the band is 2 (eta - 1) in both tables
     gap = gap_of(diff(made_table(first, rows=rows_a), made_table(second, rows=rows_b)), "D")
     assert gap.largest == pytest.approx((second - first) * 0.005, abs=1e-12)
     assert gap.in_bands == pytest.approx(abs(second - first) / np.sqrt(8.0), rel=1e-6, abs=1e-9)
@@ -123,13 +123,11 @@ def test_numbers_of_a_fingerprint_follow_from_the_log():
     table = made_table()
 
     def with_fingerprints(*prints):
-        logs = tuple(
-            replace(log, fingerprint=one)
-            for log, one in zip(table.provenance.logs, prints, strict=True)
-        )
+        pairs = zip(table.provenance.logs, prints, strict=True)
+        logs = tuple(replace(log, fingerprint=fingerprint) for log, fingerprint in pairs)
         return replace(table, provenance=replace(table.provenance, logs=logs))
 
-    one, other = (fingerprint_of(made_run(noise=noise)) for noise in (1.0, 2.0))
-    assert is_same_fit(with_fingerprints(one, None), with_fingerprints(other, None))
-    assert not is_same_fit(with_fingerprints(one, None), table)
+    first, second = (fingerprint_of(made_run(noise=noise)) for noise in (1.0, 2.0))
+    assert is_same_fit(with_fingerprints(first, None), with_fingerprints(second, None))
+    assert not is_same_fit(with_fingerprints(first, None), table)
     assert "fingerprint" not in str(table.content()[0])

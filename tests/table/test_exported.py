@@ -63,15 +63,13 @@ def test_the_placement_of_least_squares_is_the_best_there_is(points):
     x, curves = np.sort(rng.random(11)), rng.normal(size=(6, 11)).cumsum(axis=1)
     weights = rng.random((6, 11))
 
-    def error(kept_rows):
-        pairs = zip(curves, weights, strict=True)
-        return sum(
-            np.sum(w * (np.interp(x, x[kept_rows], y[kept_rows]) - y) ** 2) for y, w in pairs
-        )
+    def error(rows):
+        gaps = [np.interp(x, x[rows], y[rows]) - y for y in curves]
+        return np.sum(weights * np.array(gaps) ** 2)
 
-    every = [[0, *c, 10] for k in range(points - 1) for c in combinations(range(1, 10), k)]
+    placements = [[0, *c, 10] for k in range(points - 1) for c in combinations(range(1, 10), k)]
     kept_rows = place_weighted(x, curves, weights, points)
-    assert error(kept_rows) == pytest.approx(min(map(error, every)), abs=1e-12)
+    assert error(kept_rows) == pytest.approx(min(map(error, placements)), abs=1e-12)
 
 
 @pytest.mark.parametrize("how", WIDTHS, ids=str)
@@ -79,13 +77,10 @@ def test_a_plane_costs_no_more_than_its_rounding(how):
     """Cells are read at the rounded axes, so a coarse axis adds no error within its ends."""
     plane = made_map(z=np.linspace(0.05, 0.85, 9), shift=np.linspace(-0.004, 0.02, 9))
     exported = as_exported(replace(made_table(), map=plane), Precision(points=5, **how)).map
-    ends = ((name, x[0], x[-1]) for name, x in plane.axes.items())
-    inside = np.logical_and.reduce(
-        [
-            (low <= getattr(exported, name)) & (getattr(exported, name) <= high)
-            for name, low, high in ends
-        ]
-    )
+    inside = np.ones(exported.z.size, dtype=bool)
+    for name, axis in plane.axes.items():
+        x = getattr(exported, name)
+        inside &= (axis[0] <= x) & (x <= axis[-1])
     true = plane.on([*exported.axes.values()])
     bits = how.get("bits", 24 if how else 53)
     assert np.abs(exported.ratio_upper - true.ratio_upper)[inside].max() <= 2.0**-bits
@@ -96,17 +91,10 @@ def test_a_plane_costs_no_more_than_its_rounding(how):
 @pytest.mark.parametrize("how", WIDTHS, ids=str)
 @pytest.mark.parametrize("points", [None, 7])
 def test_every_format_has_the_numbers_of_the_exported_table(how, points):
-    table = stored_as("sedan@1").table
-    t = as_exported(replace(made_table(), map=curved()), Precision(points, **how))
-    data = build(
-        replace(stored_as("sedan@1"), table=replace(made_table(), map=curved())), points, **how
-    )
-    exported = {
-        data_object.label: data_object.values
-        if data_object.fixed is None
-        else data_object.fixed.values
-        for data_object in data.objects
-    }
+    table = replace(made_table(), map=curved())
+    t = as_exported(table, Precision(points, **how))
+    objects = build(replace(stored_as("sedan@1"), table=table), points, **how).objects
+    exported = {x.label: x.values if x.fixed is None else x.fixed.values for x in objects}
     for name, column in (
         ("eta", t.paper.eta), ("f1", t.paper.f1), ("f2", t.paper.f2), ("D", t.difference.D),
         ("slip", t.tyre.slip), ("g", t.tyre.force), ("ratio", t.map.ratio),
@@ -123,21 +111,14 @@ def test_every_format_has_the_numbers_of_the_exported_table(how, points):
 
 def test_600_bytes_hold_the_map():
     """The map has 6 by 6 by 4 cells in 8 bits: ratio, bounds, log_slip, sigma, and the axes."""
-    how = Precision(points=6, bits=8)
-    table = replace(stored_as("sedan@1"), table=replace(made_table(), map=curved()))
-    kept_rows = ("z", "shift", "slip_apart", "ratio", "ratio_lower", "ratio_upper", "log_slip")
-    labels = {f"sedan_{name}" for name in (*kept_rows, "log_slip_sigma")}
-    objects = [
-        data_object
-        for data_object in build(table, 6, bits=8).objects
-        if data_object.label in labels
-    ]
-    assert len(objects) == len(labels)
-    assert (
-        sum(data_object.fixed.raw.size * data_object.fixed.bits // 8 for data_object in objects)
-        <= 600
-    )
-    table = as_exported(replace(made_table(), map=curved()), how)
+    table = replace(made_table(), map=curved())
+    columns = ("z", "shift", "slip_apart", "ratio", "ratio_lower", "ratio_upper", "log_slip")
+    labels = {f"sedan_{name}" for name in (*columns, "log_slip_sigma")}
+    objects = build(replace(stored_as("sedan@1"), table=table), 6, bits=8).objects
+    integers = [x.fixed for x in objects if x.label in labels]
+    assert len(integers) == len(labels)
+    assert sum(x.raw.size * x.bits // 8 for x in integers) <= 600
+    table = as_exported(table, Precision(points=6, bits=8))
     draw = np.random.default_rng(1)
     places = [np.sort(draw.uniform(*ends, 30)) for ends in ((0.1, 0.8), (0.0, 0.04), (-1.0, 1.0))]
     gap = table.map.on(places).ratio - curved().on(places).ratio

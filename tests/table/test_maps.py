@@ -14,15 +14,7 @@ from calib.table.compare import diff, is_same_fit
 from calib.table.invariants import require_finite, violations
 from calib.table.maps import PadMap, columns
 from calib.table.table import COLUMNS
-from tests.support.tables import (
-    B_SHIFT,
-    B_SLIP,
-    B_Z,
-    A,
-    from_content,
-    made_map,
-    made_table,
-)
+from tests.support.tables import B_SHIFT, B_SLIP, B_Z, A, from_content, made_map, made_table
 
 PARTS = ("map", "level_map", "draws")
 
@@ -44,8 +36,8 @@ def test_it_is_read_linearly_along_each_axis_and_clamped():
     names = [entry.name for entry in fields(PadMap)][3:]
     pad_map = PadMap.from_grids(axes, **dict.fromkeys(names, values))
     places = [np.linspace(-0.2, 1.2, 9), np.linspace(-0.1, 1.1, 7), np.linspace(0.0, 1.0, 5)]
-    points = np.meshgrid(*(np.clip(x, a[0], a[-1]) for x, a in zip(places, axes, strict=True)),
-                         indexing="ij")  # fmt: skip
+    clamped = [np.clip(x, a[0], a[-1]) for x, a in zip(places, axes, strict=True)]
+    points = np.meshgrid(*clamped, indexing="ij")
     true = RegularGridInterpolator(axes, values)(np.stack(points, axis=-1))
     np.testing.assert_allclose(pad_map.on(places).grid("ratio"), true, atol=1e-12)
 
@@ -101,7 +93,7 @@ def test_every_number_of_a_map_must_be_finite(part):
 
 
 def test_two_maps_differ_by_their_closed_form():
-    """The axes differ, too; a difference of 0.04 z is largest at the end of the common axis."""
+    """A difference of 0.04 z is largest at the end of the common part of the axes."""
     table, other = made_table(), made_map((0.2, 0.6), (-0.002, 0.01), (-2.0, 0.0, 1.0))
     moved = ("ratio", "ratio_lower", "ratio_upper")
     tilt = {name: getattr(other, name) + 0.04 * other.z for name in moved}

@@ -13,10 +13,9 @@ from tests.support.tables import VEHICLE
 
 def force(vehicle, mu_f, mu_r):
     """Brake force of both axles over pressure, (2) with both wheels."""
-    axles = zip((vehicle.front, vehicle.rear), (mu_f, mu_r), strict=True)
-    return sum(
-        2 * 2 * a.piston_area * a.effective_radius * mu / a.rolling_radius for a, mu in axles
-    )
+    axles = (vehicle.front, mu_f), (vehicle.rear, mu_r)
+    per_face = (a.piston_area * a.effective_radius * mu / a.rolling_radius for a, mu in axles)
+    return 2 * 2 * sum(per_face)  # two wheels with two faces each
 
 
 @given(st.floats(-0.3, 0.3), st.floats(-0.3, 0.3))

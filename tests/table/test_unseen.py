@@ -52,12 +52,10 @@ def test_loads_move_the_ratio_as_the_same_eta_demands(entry):
         return share / front - (1.0 - share) / rear
 
     step = 1e-4
-    longer = {"cg_to_rear_axle": VEHICLE.cg_to_rear_axle - step * VEHICLE.cg_to_front_axle}
-    other = replace(
-        VEHICLE,
-        **{entry: (1.0 + step) * getattr(VEHICLE, entry)},
-        **(longer if entry == "cg_to_front_axle" else {}),
-    )
+    changed = {entry: (1.0 + step) * getattr(VEHICLE, entry)}
+    if entry == "cg_to_front_axle":  # the wheelbase stays
+        changed["cg_to_rear_axle"] = VEHICLE.cg_to_rear_axle - step * VEHICLE.cg_to_front_axle
+    other = replace(VEHICLE, **changed)
     moved = brentq(lambda x: unlike(x, other) - unlike(share, VEHICLE), 0.1, 0.99, xtol=1e-14)
     ratio = (moved - share) / (share * (1.0 - share)) / step
     moved_entry = entries(v=True)[entry]
