@@ -29,12 +29,12 @@ def scatter(x: Array) -> float:
 def white_noise(x: Array, order: int = 3, lag: int = 1) -> float:
     """Standard deviation of the white noise on a smooth signal ``x`` (n,).
 
-    It is computed from differences of ``order`` between values ``lag`` samples apart. Third
-    differences contain almost no motion of the car, and their median ignores the bite of a brake.
+    It follows from ``order``-th differences of values ``lag`` samples apart. Third differences
+    contain almost no motion of the car, and their median ignores the bite of a brake.
     """
     for _ in range(order):
         x = x[lag:] - x[:-lag]
-    return scatter(x) / math.sqrt(math.comb(2 * order, order))
+    return scatter(x) / math.sqrt(math.comb(2 * order, order))  # variance of differences of noise
 
 
 def noise_over(x: Array, longest: float) -> list[float]:

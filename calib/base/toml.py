@@ -68,20 +68,20 @@ def did_you_mean(word: str, words: Collection[str]) -> str:
 def quantity(value: object, si: str | None, where: object, error: type[InputError]) -> float:
     """Return the number in SI of a quantity in a TOML file, such as ``"28.84 cm^2"``.
 
-    ``si`` is the SI unit of the quantity, or None for any quantity. Only a dimensionless quantity
-    may be a plain number. Raises ``error`` at ``where`` for any other value.
+    ``si`` is its SI unit, or None for any quantity. A plain number is allowed if ``si`` is "1" or
+    None. Raises ``error`` at ``where`` for any other value.
     """
-    dimensionless = si in ("1", None)
+    needs_unit = si not in ("1", None)
     usual = _USUAL_UNITS.get(si or "1", si)
     written = value if isinstance(value, str) else repr(value)
     match = _QUANTITY.fullmatch(written.strip())
     if match is None or match[2].startswith(","):  # a decimal comma
-        expected = "a number" if dimensionless else f'a quantity such as "1.5 {usual}"'
+        expected = f'a quantity such as "1.5 {usual}"' if needs_unit else "a number"
         raise error(f"{shortened(value)} is not a quantity", where=where, expected=expected)
     number, unit = float(match[1]), match[2]
     if not math.isfinite(number):
         raise error(f"{shortened(value)} is not finite", where=where, expected="a finite number")
-    if not unit and not dimensionless:
+    if needs_unit and not unit:
         expected = f'a unit, such as "{number:g} {usual}"'
         raise error(f"{shortened(value)} has no unit", where=where, expected=expected)
     try:
