@@ -19,8 +19,8 @@ from calib.run.run import Run
 from calib.table.table import Table
 
 DOCUMENT = "plan.json"  # file name of a plan in a folder
-_WIDER = 1.15  # half width over the planned one [1] above which it is missed: plans err by 15 %
-_SHORT = 0.9  # end of a ramp over the planned end [1] below which the ramp ended early
+_WIDER = 1.15  # largest half width over the planned one [1]: plans err by 15 %
+_SHORT = 0.9  # least end of a ramp over the planned end [1]
 
 
 class HalfWidths(NamedTuple):
@@ -32,7 +32,7 @@ class HalfWidths(NamedTuple):
 
 
 def widths_of(table: Table) -> HalfWidths:
-    """Return the half widths of a table: those of its pad frictions, and that of its pad level."""
+    """Return the half widths of the pad frictions and of the pad level of a table."""
     pads = table.calibration
     axles = (pads.pad_friction_f, pads.pad_friction_r)
     front, rear = (Z95 * pad.sigma / pad.value for pad in axles)
@@ -43,7 +43,7 @@ def widths_of(table: Table) -> HalfWidths:
 class PlannedRuns:
     """A plan as a fit reads it.
 
-    ``steps`` are the names of its measures, ``end`` is the largest deceleration of their ramps [g],
+    ``steps`` are the names of the measures, ``end`` is the largest deceleration of the ramps [g],
     ``sensors`` are the optional channels, ``after`` the half widths at the end of the plan.
     """
 
@@ -72,9 +72,9 @@ def read_plan(path: Path) -> PlannedRuns:
 
 
 class Achieved(NamedTuple):
-    """Planned and achieved half widths [1].
+    """Planned and achieved half widths [1]; ``reached`` if none is above `_WIDER` times its plan.
 
-    ``reached`` tells whether none is missed, ``reasons`` what the plan has and the fit has not.
+    ``reasons`` tell what the plan has and the fit has not.
     """
 
     planned: HalfWidths
@@ -84,7 +84,7 @@ class Achieved(NamedTuple):
 
 
 def compare(plan: PlannedRuns, table: Table, logs: Sequence[Log], mass: MassUsed) -> Achieved:
-    """Compare a plan with the ``table`` of a fit and the ``logs`` and ``mass`` of that fit."""
+    """Compare a plan with the ``table``, the ``logs`` and the ``mass`` of a fit."""
     achieved = widths_of(table)
     pairs = zip(achieved, plan.after, strict=True)
     reached = all(width <= _WIDER * planned for width, planned in pairs)
@@ -92,7 +92,6 @@ def compare(plan: PlannedRuns, table: Table, logs: Sequence[Log], mass: MassUsed
 
 
 def _reasons(plan: PlannedRuns, table: Table, logs: Sequence[Log], mass: MassUsed) -> list[str]:
-    """Return what the plan has and the fit has not."""
     roles = {log.role for log in table.provenance.logs}
     axles_alone = {Run(log, table.vehicle).alone for log in logs}
     was_done = {

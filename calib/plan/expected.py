@@ -4,7 +4,7 @@
 
 This is a preposterior analysis by simulation (Chaloner and Verdinelli, Bayesian experimental
 design: a review, Statistical Science 10, 1995): cars of the prior are driven with the noise of
-their sensors, and fitted by `calib.fitting.fit` itself. Bumps and gear shifts are not counted.
+their sensors, and fitted by `calib.fitting.fit`. Bumps and gear shifts are not counted.
 """
 
 import math
@@ -32,7 +32,7 @@ from calib.table.table import Table, Value
 
 _ROLLER_PRESSURES = (10e5, 20e5, 30e5, 40e5)  # [Pa], as `measures.csv` tells the workshop
 _ROLLER_SCATTER = 0.005  # of a force of a roller brake tester, relative [1]: half its tolerance
-_UNKNOWN_TYRES = 0.2  # sigma of ln of a slip stiffness [1]: see the row `compliance` of beliefs.csv
+_UNKNOWN_TYRES = 0.2  # sigma of ln of a slip stiffness [1], see `compliance` in beliefs.csv
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class Prior:
     ``pad_level``, ``pad_ratio``: ln of the pads over those of the ``vehicle`` file [1]
     ``stiffness``: ln of the slip stiffness [1]
     ``noise``: noise of each channel [SI]
-    ``logs``: logs of the car that exist already; the fit after the measures will use them, too
+    ``logs``: earlier logs of the car, which the fit after the measures uses, too
     """
 
     vehicle: Vehicle
@@ -65,7 +65,7 @@ def prior_of(
 ) -> Prior:
     """Return the prior from ``logs`` of a car, or else from its ``table``, or else from its file.
 
-    Raises as `calib.fitting.fit` for logs of which no table can be made.
+    Raises as `calib.fitting.fit`.
     """
     if logs:
         table = fit(vehicle, list(logs))
@@ -88,9 +88,9 @@ def _logarithm(x: Value) -> Value:
 def noise_of(densities: Mapping[str, float]) -> dict[str, NoiseLevel]:
     """Return white noise of the channels with the long-run noise ``densities`` of a table.
 
-    A density [unit * s^0.5] is the standard deviation of a mean over 1 s, see `SensorNoise`, so a
-    sample has sqrt(`RATE`) of it. The density "omega" is of the mean of two wheels, so a wheel has
-    sqrt(2) of it.
+    A density [unit * s^0.5] is the standard deviation of a mean over 1 s, see `SensorNoise`, so
+    that of a sample is sqrt(`RATE`) times larger. The density "omega" is of the mean of two wheels,
+    so that of a wheel is sqrt(2) times larger.
     """
     per_sample = math.sqrt(RATE)
     wheel = NoiseLevel(math.sqrt(2.0) * densities["omega"] * per_sample)
@@ -101,14 +101,13 @@ def noise_of(densities: Mapping[str, float]) -> dict[str, NoiseLevel]:
 
 
 _CORNERS = ((0.0, 0.0), (1.0, -1.0), (-1.0, 1.0))
-"""Pad ratio and slip stiffness of the cars that stand for the prior: the mean, then two cars at
-one standard deviation [sigma of the prior]."""
+"""Pad ratio and slip stiffness of the cars that stand for the prior, less the mean [sigma]."""
 
 
 def cars(prior: Prior, count: int = len(_CORNERS)) -> list[Model]:
-    """Return the first ``count`` of the cars that stand for the prior, see `_CORNERS`.
+    """Return the first ``count`` cars of `_CORNERS`, with the known effects of the vehicle.
 
-    Each car has the known effects of the vehicle, and its usual drag and rolling resistance.
+    Drag and rolling resistance are those of `identify` without a coast.
     """
     mean, scale = default_model(prior.vehicle), math.exp(prior.pad_level.value)
     effects = identify(prior.vehicle, ()).effects
@@ -116,10 +115,10 @@ def cars(prior: Prior, count: int = len(_CORNERS)) -> list[Model]:
     for ratio_sigmas, stiffness_sigmas in _CORNERS[:count]:
         log_ratio = prior.pad_ratio.value + ratio_sigmas * prior.pad_ratio.sigma
         log_stiffness = prior.stiffness.value + stiffness_sigmas * prior.stiffness.sigma
-        front = scale * math.exp(0.5 * log_ratio) * mean.pad_friction_f
-        rear = scale / math.exp(0.5 * log_ratio) * mean.pad_friction_r
+        mu_f = scale * math.exp(0.5 * log_ratio) * mean.pad_friction_f
+        mu_r = scale / math.exp(0.5 * log_ratio) * mean.pad_friction_r
         tyre = replace(mean.tyre, stiffness=math.exp(log_stiffness))
-        model = replace(mean, pad_friction_f=front, pad_friction_r=rear, tyre=tyre, effects=effects)
+        model = replace(mean, pad_friction_f=mu_f, pad_friction_r=mu_r, tyre=tyre, effects=effects)
         models.append(model)
     return models
 
@@ -154,7 +153,7 @@ def on_rollers(vehicle: Vehicle, pads: tuple[float, float], seed: int) -> Roller
 
 
 def before_any_run(prior: Prior) -> HalfWidths:
-    """Return the half widths by the prior of the pads and the mass alone, without any log."""
+    """Return the half widths by the prior of pads and mass alone."""
     level = {"pads": prior.pad_level.sigma**2, "mass": prior.vehicle.mass_tolerance**2}
     ratio = {"ratio": prior.pad_ratio.sigma**2}
     axles = axle_parts(prior.vehicle, prior.pad_ratio.value, level, ratio)

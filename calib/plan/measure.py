@@ -38,8 +38,8 @@ _SLOWEST = 5.0  # least speed at the end of a rise [m/s]: a fit leaves out slowe
 class Measure:
     """A row of `measures.csv`; an empty number is NaN.
 
-    ``axle`` is "f" or "r" if that axle brakes alone, "" for both. ``text`` names the measure,
-    ``driver`` tells the driver or the workshop what to do.
+    ``axle`` is "f" or "r" if the front or rear axle brakes alone, else "". ``text`` names the
+    measure, ``driver`` tells the driver or the workshop what to do.
     """
 
     name: str
@@ -53,20 +53,20 @@ class Measure:
 
     @property
     def driven(self) -> bool:
-        """Whether the measure is a run with a log, and not work in a workshop."""
+        """Whether the measure is a run and not work in a workshop."""
         return self.kind in ("ramp", "coast")
 
     @property
     def is_whole_ramp(self) -> bool:
-        """Whether the measure is a ramp with both axles. A plan needs one of these."""
+        """Whether the measure is a ramp with both axles, which every plan needs."""
         return self.kind == "ramp" and not self.axle
 
     @property
     def duration(self) -> float:
         """Time of the work, or of a run to the end of its rise [s]."""
-        if not self.driven:
-            return self.seconds
-        return LEAD_IN + self.rise if self.kind == "ramp" else self.rise
+        if self.kind == "ramp":
+            return LEAD_IN + self.rise
+        return self.rise if self.driven else self.seconds
 
 
 @dataclass(frozen=True)
@@ -80,12 +80,11 @@ class Track:
 @cache
 def measures() -> tuple[Measure, ...]:
     """Return all measures, runs before work in a workshop."""
-    return tuple(_measure(row) for row in rows("measures.csv", "calib.plan"))
-
-
-def _measure(row: dict[str, str]) -> Measure:
-    end, rise, seconds = (float(row.pop(name) or "nan") for name in ("end", "rise", "seconds"))
-    return Measure(end=end, rise=rise, seconds=seconds, **row)
+    listed = []
+    for row in rows("measures.csv", "calib.plan"):
+        end, rise, seconds = (float(row.pop(name) or "nan") for name in ("end", "rise", "seconds"))
+        listed.append(Measure(end=end, rise=rise, seconds=seconds, **row))
+    return tuple(listed)
 
 
 def pressure_trace(car: Vehicle, run: Measure) -> tuple[Array, Array]:
@@ -105,9 +104,9 @@ def pressure_trace(car: Vehicle, run: Measure) -> tuple[Array, Array]:
 def drive(model: Model, run: Measure, track: Track, sensors: frozenset[str]) -> Log:
     """Simulate a run as it would be driven and logged, without noise.
 
-    ``sensors`` are the optional channels that are logged. Raises ModelError for a run that cannot
-    be driven: it is longer than the track, the car is nearly at rest before the end of the rise, a
-    tyre is beyond its peak, or an axle is to brake alone and its wheel pressures are not logged.
+    ``sensors`` are the optional channels that are logged. Raises ModelError for a run that is
+    longer than the track, in which the car is nearly at rest before the end of the rise or a tyre
+    is beyond its peak, or with one axle alone and no sensors of wheel pressures.
     """
     if run.axle and not sensors >= set(WHEEL_PRESSURES):
         raise ModelError(f"{run.text} needs {', '.join(sorted(WHEEL_PRESSURES))}")
@@ -116,11 +115,11 @@ def drive(model: Model, run: Measure, track: Track, sensors: frozenset[str]) -> 
     if run.axle:
         by_wheel = {w: pressure if w[0] == run.axle else 0.0 * pressure for w in WHEELS}
     log = simulate(model, time, pressure, track.speed, wheel_pressure=by_wheel, name=run.name)
-    if log.time[-1] < run.duration or log["v"][-1] < _SLOWEST:
-        raise ModelError(
-            f"{run.text} would end after {log.time[-1]:.1f} s at {3.6 * log['v'][-1]:.0f} km/h",
-            expected=f"{run.duration:.1f} s, and {3.6 * _SLOWEST:.0f} km/h at the end",
-        )
+    end_time, end_speed = log.time[-1], log["v"][-1]
+    if end_time < run.duration or end_speed < _SLOWEST:
+        flaw = f"{run.text} would end after {end_time:.1f} s at {3.6 * end_speed:.0f} km/h"
+        expected = f"{run.duration:.1f} s, and {3.6 * _SLOWEST:.0f} km/h at the end"
+        raise ModelError(flaw, expected=expected)
     distance = float(np.trapezoid(log["v"], log.time))
     if distance > track.length:
         flaw = f"{run.text} takes {distance:.0f} m"

@@ -5,8 +5,8 @@
 A width below the wanted one counts as the wanted one. The first measure is the ramp with the
 greatest mean gain over several cars, each with its own noise. Each next measure has the greatest
 gain per second for the mean car. A measure that gained next to nothing is not tried again, since
-gains diminish with every measure. The widths of a plan are medians over several cars; its floors
-are those of the mean car.
+gains diminish with every measure. The widths of a plan are medians over several cars, but its
+floors, the widths after every measure that can be done, are of the mean car.
 """
 
 import math
@@ -43,7 +43,7 @@ class Want(NamedTuple):
         return any(self.widths) and all(width <= goal for width, goal in pairs if goal)
 
     def gain(self, wide: HalfWidths, narrow: HalfWidths) -> float:
-        """Return the gain from ``wide`` to ``narrow`` widths [1]; if some are wanted, of these."""
+        """Return the gain from ``wide`` to ``narrow`` [1], over all widths if none is wanted."""
         gain = 0.0
         for width, narrower, goal in zip(wide, narrow, self.widths, strict=True):
             if goal > 0.0 or not any(self.widths):
@@ -68,8 +68,8 @@ class Plan:
     ``not_worth``: measures that gained less than `_WORTH` when last tried, with their gains [1]
     ``impossible``: measures that cannot be done here, with the reasons
     ``floor``: the widths after every measure that can be done here, whatever its time
-    ``floor_of_runs``: the same without a workshop
-    ``with_speed``: the widths after the steps if ``v`` were logged as well; None if it is logged
+    ``floor_of_runs``: the widths after every run that can be done here
+    ``with_speed``: the widths after the steps if ``v`` were logged as well; None if ``v`` is logged
     """
 
     prior: Prior
@@ -111,14 +111,14 @@ def plan(prior: Prior, want: Want, workers: int = 1) -> Plan:
         if "v" not in prior.sensors:
             has_speed = replace(prior, sensors=prior.sensors | {"v"})
             with_speed = medians(has_speed, [chosen], _CARS)[0]
+    gains = search.gains.items()
+    not_worth = {m: gain for m, gain in gains if m not in chosen and gain < _WORTH}
     return Plan(
         prior=prior,
         want=want,
         start=start,
         steps=tuple(map(Step, chosen, _times(chosen), widths)),
-        not_worth={
-            m: gain for m, gain in search.gains.items() if m not in chosen and gain < _WORTH
-        },
+        not_worth=not_worth,
         impossible=search.impossible,
         floor=floor,
         floor_of_runs=floor_of_runs,
@@ -127,7 +127,6 @@ def plan(prior: Prior, want: Want, workers: int = 1) -> Plan:
 
 
 def _times(sequence: _Sequence) -> list[float]:
-    """Return the time of each measure [s]."""
     return [_time_after_another(m) if i else m.duration for i, m in enumerate(sequence)]
 
 
@@ -153,12 +152,10 @@ class _Search:
             widths_after = self._try(chosen, widths, is_first)
             if not widths_after and is_first:
                 reasons = "; ".join(dict.fromkeys(self.impossible.values()))
-                raise LogError(
-                    f"no ramp can be driven here: {reasons or 'none is short enough'}",
-                    where=self.prior.vehicle.name,
-                    expected="a ramp of 7 s from 60 km/h or more",
-                    do="give a longer track, a higher speed or more time",
-                )
+                flaw = f"no ramp can be driven here: {reasons or 'none is short enough'}"
+                where, expected = self.prior.vehicle.name, "a ramp of 7 s from 60 km/h or more"
+                do = "give a longer track, a higher speed or more time"
+                raise LogError(flaw, where=where, expected=expected, do=do)
             if not widths_after:
                 break
             rates = {m: self.gains[m] / _time_after_another(m) for m in widths_after}
@@ -205,7 +202,8 @@ class _Search:
         by_time = sorted(chosen[fixed:], key=_time_after_another, reverse=True)
         shorter = [tuple(m for m in chosen if m != left_out) for left_out in by_time]
         outcomes = _outcomes(self.in_parallel, self.prior, shorter, 1)
-        for sequence, (_, (wider,)) in zip(shorter, outcomes, strict=True):
+        for sequence, (_, of_one_car) in zip(shorter, outcomes, strict=True):
+            wider = of_one_car[0]
             if self.want.met_by(wider) or self.want.gain(wider, widths) < _WORTH:
                 return self._pruned(sequence, widths)
         return chosen
