@@ -1,6 +1,6 @@
 """A channel map: which columns of a foreign log are channels, with their units and signs.
 
-channel map, columns --assign--> a column, its unit and its conversion to SI for each channel
+columns of a log, channel map --assign--> for each channel its column and the conversion to SI
 """
 
 from collections.abc import Mapping as Named
@@ -30,8 +30,8 @@ Databases = Named[str, tuple[Path, ...]]
 class Mapping:
     """Entry of a channel map: value = sign * (scale * written value + offset), in ``unit``.
 
-    ``source`` is the column. ``unit`` None means the unit in the header of the file. ``delay`` [s]
-    is how late the channel was recorded.
+    ``source`` is the column. ``unit`` None means the unit in the header of the file. The channel
+    was recorded late by ``delay`` [s].
     """
 
     source: str
@@ -48,9 +48,9 @@ class Mapping:
 
 @dataclass(frozen=True)
 class ChannelMap:
-    """The mappings of a file: ``where`` its path, ``channels`` by canonical name.
+    """The mappings of the file ``where``: ``channels`` by canonical name.
 
-    ``text`` is the format of text tables, ``ignore`` the columns that are not to be channels, and
+    ``text`` is the format of text tables, ``ignore`` names columns that are not to be channels, and
     ``databases`` describe the frames of buses.
     """
 
@@ -63,10 +63,9 @@ class ChannelMap:
 
 @dataclass(frozen=True)
 class Assigned:
-    """A column of the file that is a channel.
+    """A channel, with ``index`` and name ``source`` of its column in the file.
 
-    ``index`` and ``source`` are its place and its name in the file. Its values are in ``unit`` once
-    they are mapped; ``si`` is the SI unit of the channel.
+    ``unit`` is that of the mapped values, ``si`` the SI unit of the channel.
     """
 
     channel: str
@@ -85,8 +84,7 @@ class Assigned:
         return replace(trace, state=trace.state or self.channel in FLAGS, name=self.channel)
 
     def origin(self) -> Origin:
-        """Return source, unit, factor and offset of the channel."""
-        # every conversion is linear
+        """Return how the SI value follows from the file; every conversion is linear."""
         at_zero, at_one = (float(v) for v in self.to_si(np.array([0.0, 1.0])))
         return Origin(self.channel, self.source, self.unit, at_one - at_zero, at_zero)
 
@@ -97,12 +95,11 @@ def assign(
     require: tuple[str, ...],
     where: str,
 ) -> tuple[list[Assigned], tuple[str, ...], list[str]]:
-    """Find the columns of a file that are channels; return them, the names of the others and notes.
+    """Return the channels of the file ``where``, the names of its other columns, and notes.
 
     A channel is a column that the map names, or else a column with the name of a channel. An
-    optional channel without a known unit is left out. ``where`` is the path of the file. Raises
-    LogError for a channel that is missing, occurs twice or has no unit, ChannelMapError for a
-    source that is not in the file.
+    optional channel without a known unit is left out. Raises LogError for a channel that is
+    missing, occurs twice or has no unit, ChannelMapError for a source that is not in the file.
     """
     mapped = channel_map.channels if channel_map else {}
     ignore = channel_map.ignore if channel_map else ()
@@ -168,7 +165,7 @@ def _mapped(
 def assigned_column(
     channel: str, index: int, column: Column, entry: Mapping, si: str, where: str
 ) -> Assigned:
-    """Assign a column to a channel. Raises LogError if the column has no unit of the channel."""
+    """Assign a column to a channel. Raises LogError for a missing or a wrong unit."""
     unit, place = entry.unit or column.unit, f"{where}: {channel}"
     if not unit:
         raise LogError(
@@ -186,7 +183,7 @@ def assigned_column(
 
 
 def _truth_si(column: Column) -> str | None:
-    """SI unit of a truth channel by its name, or else by its unit; None if neither is known."""
+    """Return the SI unit of a truth channel by its name, or else by its unit, or None."""
     for stem, si in TRUTH_UNITS.items():
         if column.name.startswith(f"{stem}_"):
             return si
@@ -196,7 +193,6 @@ def _truth_si(column: Column) -> str | None:
 
 
 def _choose_one(indices: list[int], columns: tuple[Column, ...]) -> str:
-    """Advice on columns of the same name."""
     addresses = [address_of(columns[i], columns) for i in indices]
     if len(set(addresses)) < len(addresses):
         return "rename one of them"
@@ -217,7 +213,7 @@ def _refuse_missing(missing: list[str], ignored: tuple[str, ...], where: str) ->
 
 
 def _suggestion(word: str, names: list[str], use: str = "") -> str:
-    """Question whether the name nearest to a misspelt ``word`` is meant, or ""."""
+    """Ask whether the name nearest to ``word`` is meant; "" if none is near."""
     by_lower = {name.lower(): name for name in names}
     close = nearest(word.lower(), by_lower)
     return "" if close is None else f"is {by_lower[close]!r} meant{use}?"

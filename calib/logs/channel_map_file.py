@@ -27,7 +27,7 @@ _Name = Annotated[str, Field(pattern=r"\S")]
 
 
 def _expected(form: str) -> WrapValidator:
-    """Return a validator whose one error for every wrong value names the expected ``form``."""
+    """Return a validator that has one error for all wrong values: the ``form`` was expected."""
 
     def checked(written: object, handler: ValidatorFunctionWrapHandler) -> object:
         with suppress(ValidationError):
@@ -69,7 +69,7 @@ _ChannelsSection = by_name(
 
 _SAMPLE = "time [s],p_mc [bar]\n0.005,-1.5e3\n"
 _NOT_FOR_LOGS = ("punycode", "idna", "unicode-escape", "raw-unicode-escape", "utf-7")
-"""Codecs that Python has for domain names and source code; some of them take quadratic time."""
+"""Python's codecs for domain names and source code; some of them take quadratic time."""
 
 
 def _encoding(name: str) -> str:
@@ -81,8 +81,10 @@ def _encoding(name: str) -> str:
     except (LookupError, ValueError, TypeError):
         can_hold_logs = False
     if not can_hold_logs:
-        expected = 'an encoding such as "utf-8" or "latin-1"'
-        raise wrong(f"unknown encoding of text {shortened(name)}", expected)
+        raise wrong(
+            f"unknown encoding of text {shortened(name)}",
+            'an encoding such as "utf-8" or "latin-1"',
+        )
     return name
 
 
@@ -130,12 +132,9 @@ def read_channel_map(path: Path) -> ChannelMap:
         except UnknownUnit as cause:
             raise ChannelMapError(str(cause), where=f"{path}: channels.{name}.unit") from cause
     by_bus = file.dbc if isinstance(file.dbc, dict) else {"": file.dbc or []}
-    databases = {
-        bus.strip(): tuple(
-            (path.parent / name).absolute()
-            for name in ([files] if isinstance(files, str) else files)
-        )
-        for bus, files in by_bus.items()
-    }
+    databases = {}
+    for bus, files in by_bus.items():
+        names = [files] if isinstance(files, str) else files
+        databases[bus.strip()] = tuple((path.parent / name).absolute() for name in names)
     text = TextFormat(**dict(file.text or _TextSection()))
     return ChannelMap(str(path), channels, text, tuple(file.ignore or ()), databases)

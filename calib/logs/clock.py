@@ -15,8 +15,7 @@ from calib.base.plain import counted
 from calib.base.units import QUANTITIES, to_si
 
 REPEATED = 0.01  # largest share of rows [1] that repeat the time of the row before them
-GAP = 3.5
-"""A step longer than this many mean steps [1] is a gap. Two lost samples make a step of 3."""
+GAP = 3.5  # a step longer than this many mean steps [1] is a gap; two lost samples make 3
 VALUES = 4
 """Most different steps of an even clock with rounded times: 2, or 4 if a number of 32 bits grows
 past a power of two, where its own resolution doubles."""
@@ -41,13 +40,13 @@ def step_of(time: Array) -> float:
 def on_line(time: Array) -> tuple[Array, tuple[str, ...]]:
     """Undo the rounding of the times [s] (n,) of an even clock.
 
-    Return the straight line through the times and a note; or the times as they are and no note, if
-    they do not lie on a line within their rounding.
+    Return the straight line through the times and a note. If they do not lie on a line within their
+    rounding, return them as they are and no note.
     """
     if time.size < _MIN_SAMPLES:
         return time, ()
     mean, steps = step_of(time), np.diff(time)
-    # Step of the clock: the common slope of the lines through the times of each part between two
+    # The step of the clock is the common slope of the lines through the times of all parts between
     # gaps, by least squares; x and y are sample numbers and times, less their mean in the part.
     part = np.concatenate([[0], np.cumsum(steps > GAP * mean)])
     number = np.concatenate([[0.0], np.cumsum(np.round(steps / mean))])
@@ -73,15 +72,13 @@ def on_line(time: Array) -> tuple[Array, tuple[str, ...]]:
 
 LATEST = 1e12  # latest time that a log can have [s]: far above the seconds since 1970
 _STEP_BACK = 0.1  # longest step back in time [s] between frames of several buses
-_STEPS_BACK = 0.25
-"""Largest share of frames before which time steps back [1]. More of them mean something else, such
-as the time since the frame before."""
+_STEPS_BACK = 0.25  # largest share of frames before which time steps back [1]
 
 
 def check_running(time: Array, where: str) -> None:
-    """Check timestamps [s] (n,) in the order of the file. Raises LogError if they are disordered.
+    """Raise LogError if timestamps [s] (n,) in the order of the file are disordered.
 
-    Frames of several buses may step back a little; see `_STEP_BACK` and `_STEPS_BACK`.
+    Those of several buses may step back a little: `_STEP_BACK`, `_STEPS_BACK`.
     """
     if not (np.abs(time) < LATEST).all():
         raise LogError("a timestamp is no time", where=where, do="export the log again")
@@ -109,12 +106,9 @@ _RATES = 40.0, 1000.0  # lowest and highest sample rate of a log [Hz]
 TIME_UNITS = {unit: to_si(1.0, unit, "s") for unit in QUANTITIES["s"][1]}
 """Size [s] of each unit of time."""
 _BURST = 0.25  # a step shorter than this share of the mean step [1] lies within a burst
-_BURSTS = 0.1
-"""Largest share of steps within bursts [1]. A bus has some of them, since its frames wait for each
-other."""
-_FEWEST_BURSTS = 5  # long steps of samples that come in bursts; fewer are jumps of the clock
-_JUMPS = 0.3
-"""Least share of a log [1] that a clock jumps over if its milliseconds have too many digits."""
+_BURSTS = 0.1  # largest share of steps within bursts [1]; frames of a bus wait for each other
+_FEWEST_BURSTS = 5  # fewest long steps between bursts; fewer are jumps of the clock
+_JUMPS = 0.3  # least share of a log [1] that such a clock jumps over: see `check_steps`
 
 
 def check_clock(time: Array, where: str, unit: str = "s") -> None:
@@ -130,9 +124,8 @@ def check_clock(time: Array, where: str, unit: str = "s") -> None:
 def check_steps(time: Array, where: str, unit: str = "s") -> None:
     """Check that a recorder can have made the steps of an increasing ``time`` [s] (n,).
 
-    ``unit`` is the unit of time of the file. Raises LogError if another unit gives a likely sample
-    rate and this one does not, for a clock that jumps over a part of each second, and for samples
-    that come in bursts.
+    Raises LogError if another unit of time than the ``unit`` of the file gives a likely sample
+    rate, for a clock that jumps over a part of each second, and for samples that come in bursts.
     """
     steps = np.diff(time)
     median, mean = float(np.median(steps)), float(np.mean(steps))
@@ -171,23 +164,27 @@ def check_steps(time: Array, where: str, unit: str = "s") -> None:
 
 
 def _jump(time: Array, where: str) -> LogError:
-    """The error of a clock that jumps once or a few times in a ``time`` [s] (n,)."""
+    """Return the error for the largest jump of a clock in its ``time`` [s] (n,)."""
     steps = np.diff(time)
     row = int(np.argmax(steps)) + 1
-    full, begun = time[row - 1] % 100.0, time[row] % 100.0
-    next_minute = full < 60.0 <= full + 2.0 * np.median(steps) and begun < 2.0 * np.median(steps)
-    packed = "if this is the time of day as hhmmss, convert it to seconds; "
+    do = (
+        "cut the log there if two recordings were joined; if the clock was set, as to summer time, "
+        "subtract the jump from the rows after it"
+    )
+    # a time written as hhmmss jumps from ..59 to ..00 of the next hundred
+    second, next_second, near = time[row - 1] % 100.0, time[row] % 100.0, 2.0 * np.median(steps)
+    if second < 60.0 <= second + near and next_second < near:
+        do = f"if this is the time of day as hhmmss, convert it to seconds; {do}"
     return LogError(
         f"the clock jumps by {steps[row - 1]:.6g} s in row {row + 1}",
         where=f"{where}: time",
         expected="times of one recording",
-        do=f"{packed * bool(next_minute)}cut the log there if two recordings were joined; if the "
-        "clock was set, as to summer time, subtract the jump from the rows after it",
+        do=do,
     )
 
 
 def _disorder(time: Array, row: int) -> tuple[str, str]:
-    """What is wrong with a time [s] (n,) that does not rise to ``row``, and what to do."""
+    """Say what is wrong with a ``time`` [s] (n,) that does not rise to ``row``, and what to do."""
     steps, sorted_steps = np.diff(time), np.diff(np.sort(time))
     usual = float(np.median(sorted_steps))
     if np.all(steps < 0.0):

@@ -1,7 +1,7 @@
 """Find pressures that were not measured: another column of the log, times a constant.
 
-The bus of some cars has the demanded brake torque and no pressure. Some decoders divide this torque
-by a constant and call the result a pressure.
+The bus of some cars has the demanded brake torque and no pressure. Some decoders call this torque
+over a constant a pressure.
 """
 
 from collections.abc import Collection, Iterator, Mapping
@@ -44,9 +44,9 @@ def computed_pressures(
 
 
 def factor_between(channel: Array, other: Array) -> float | None:
-    """The constant c for which channel = c * other, both (n,); None if there is no such constant.
+    """Return the least-squares c of channel = c * other, both (n,); None if a residual is large.
 
-    The least-squares c counts if no residual exceeds a small share of the range of ``channel``.
+    The limit is a small share of the range of ``channel``.
     """
     channel_range = float(np.ptp(channel))
     if channel_range == 0.0 or not np.isfinite(other).all() or np.ptp(other) == 0.0:
@@ -57,9 +57,9 @@ def factor_between(channel: Array, other: Array) -> float | None:
 
 
 def is_other_quantity(unit: str | None) -> bool:
-    """Whether a column with this unit is another quantity, of which a pressure may be computed.
+    """Whether a pressure may be computed from a column with this unit.
 
-    A pressure is not: one pressure may be logged in two units. A number without a unit is not:
+    Not from a pressure: it may be the same one in another unit. Not from a number without a unit:
     it may be the raw count of the pressure.
     """
     try:

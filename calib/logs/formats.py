@@ -1,7 +1,7 @@
 """The formats of logs: which kind of file the bytes are, and how each file ending is opened.
 
-The channels of a table share one clock. Those of a recording, such as bus frames, do not; they are
-resampled where a table is needed.
+The channels of a table share one clock. Those of a recording, such as bus frames, have clocks of
+their own and are resampled where a table is needed.
 """
 
 import re
@@ -40,11 +40,11 @@ _KINDS: tuple[tuple[bytes, str, tuple[str, ...]], ...] = (
     (rb"<\?xml", "an XML file", ()),
     (rb"\{", "a JSON file", ()),
 )
-"""Pattern of the first bytes (capitals or not), name of the kind of file, and its right endings."""
+"""Pattern of the first bytes (in any case), name of the kind of file, and its right endings."""
 
 
 def refuse_other_kind(head: bytes, ending: str, where: object) -> None:
-    """Raise LogError if the first 64 bytes, ``head``, are those of another kind of file."""
+    """Raise LogError if ``head``, the first 64 bytes, belongs to another kind of file."""
     if head.startswith(POINTER):
         raise LogError(
             "a pointer of git LFS, not the log itself",
@@ -76,7 +76,7 @@ TABLES: dict[str, Callable[[bytes, str, TextFormat], ColumnSource]] = {
 
 
 def ending_of(path: Path) -> str:
-    """Ending of a file name that gives the format, in lower case: ``.csv.gz`` of ``run.csv.gz``."""
+    """File name ending that gives the format, in lower case: ``.csv.gz`` of ``run.csv.gz``."""
     double = "".join(path.suffixes[-2:]).lower()
     return double if path.suffix.lower() == ".gz" else path.suffix.lower()
 
@@ -102,8 +102,7 @@ def as_table(
     """Return a table as it is, and a recording as a table with all channels on one clock.
 
     ``assigned`` columns, by index, get the names of their channels. A column of whole numbers
-    without a unit is taken for a state. Reading a column that the recording refuses raises its
-    LogError.
+    without a unit is taken for a state. Reading a column that cannot be decoded raises LogError.
     """
     if isinstance(opened, ColumnSource):
         return opened
@@ -128,9 +127,6 @@ def as_table(
                 raise refused[index]
         return [arrays[index] for index in indices]
 
-    rates = {
-        i: resampled.rates[trace.name]
-        for i, trace in traces.items()
-        if trace.name in resampled.rates
-    }
+    by_name = resampled.rates
+    rates = {i: by_name[trace.name] for i, trace in traces.items() if trace.name in by_name}
     return ColumnSource(opened.columns, read, opened.notes + resampled.notes, rates)

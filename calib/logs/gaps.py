@@ -3,7 +3,7 @@
 . . . .------. . . .    both sides lead to the middle of the bridge: the gap is bridged
 
              . . . .
-. . . .                 they do not: something happened in the gap, and it stays open
+. . . .                 they do not: something happened in the gap, which stays open
 
 A log that still has gaps loses its open ends and the channels that no calibration needs.
 """
@@ -20,19 +20,13 @@ from calib.base.names import CHANNELS
 from calib.base.plain import counted
 from calib.logs.clock import GAP, check_increasing, is_ascending, step_of
 
-BRIDGE = 0.2
-"""Longest gap that is bridged [s]: a brake pressure can build up in a longer one."""
-_SIDE = 0.1
-"""Time on either side of a gap [s] whose samples show whether the channel is smooth there."""
+BRIDGE = 0.2  # longest gap that is bridged [s]: a brake pressure can build up in a longer one
+_SIDE = 0.1  # time on either side of a gap [s] in which the channel must be smooth
 _NEAR = 0.5  # time on either side of a gap [s] whose samples show the noise of the channel
 _FEWEST = 4  # fewest samples of a side: a line fits three samples too easily
-INSTANT = 1e-9
-"""Shortest time [s] in which samples show a slope. Recorders count no finer than nanoseconds; only
-damaged times are nearer to each other."""
-_SMOOTH = 0.01
-"""Largest error of a bridge in addition to the noise, as a share of the channel's range [1]."""
-ENDS = 1.0
-"""Longest time [s] at the start or the end of a log for which a channel may have no value."""
+INSTANT = 1e-9  # times nearer to each other [s] are damaged: recorders count no finer
+_SMOOTH = 0.01  # largest error of a bridge besides the noise, over the channel's range [1]
+ENDS = 1.0  # longest time [s] at either end of a log for which a channel may have no value
 ONLY = f"only up to {BRIDGE:g} s, and where the channel is smooth around the gap"
 """Words of messages for the gaps that are bridged."""
 
@@ -58,8 +52,7 @@ def fill(channel: str, t: Array, x: Array, times: Array) -> Filled:
     """Interpolate a channel linearly at other ``times`` [s] (m,).
 
     The samples ``x`` (n,) at the ascending times ``t`` [s] (n,) are finite. The result is NaN
-    before the first sample, after the last one, and in a gap that stays open. An event that begins
-    and ends within a bridged gap is lost.
+    outside of them and in a gap that stays open. An event within a bridged gap is lost.
     """
     values: Array = np.interp(times, t, x)
     values[(times < t[0]) | (times > t[-1])] = np.nan
@@ -85,8 +78,8 @@ def fill_rows(
 ) -> tuple[dict[str, Array], list[str], list[ChannelHole]]:
     """Fill the rows in which a channel (n,) is NaN, as `fill` does; ``time`` [s] (n,).
 
-    Return the channels, notes and the bridged gaps. A channel stays as it is if it has an infinite
-    value or fewer than two values, and every channel does if the times do not increase.
+    Return the channels, notes and the bridged gaps. A channel with an infinite value or fewer than
+    two values stays as it is, and so do all channels if the times do not increase.
     """
     values, notes, bridged = dict(channels), [], list[ChannelHole]()
     if not is_ascending(time):
@@ -108,7 +101,7 @@ def fill_rows(
 
 
 def in_words(filled: Filled) -> list[str]:
-    """Write a note on the gaps of a channel that were bridged, and one on those left open."""
+    """Write notes on the gaps of a channel: one on those bridged, one on those left open."""
     notes = []
     for gaps, result in (
         (filled.bridged, "bridged with a straight line"),
@@ -123,17 +116,16 @@ def in_words(filled: Filled) -> list[str]:
 def _is_smooth(t: Array, x: Array, i: int, step: float, tolerance: float) -> bool:
     """Whether both sides of the gap after sample ``i`` are straight and lead to its middle.
 
-    ``tolerance`` is added to the noise, in the unit of ``x``. The middle is that of the straight
-    line that would bridge the gap.
+    ``tolerance`` [unit of ``x``] is added to the noise.
     """
     reach = max(_SIDE, float(t[i + 1] - t[i]), (_FEWEST + 0.5) * step)
     first, end = np.searchsorted(t, [t[i] - reach, t[i + 1] + reach])
     sides = slice(first, i + 1), slice(i + 1, end)
     if min(side.stop - side.start for side in sides) < _FEWEST:
         return False
-    # Noise: how far a sample lies from the line through its two neighbours. Its variance is 1.5
-    # times that of the noise, and 1.2816 sigma is the 0.8 quantile of an absolute normal value.
-    # The 0.8 quantile leaves a few steps aside, and is not 0 for noise that is cut off at zero.
+    # The noise is found from the distance of samples to the line through their two neighbours,
+    # whose variance is 1.5 times that of the noise. The 0.8 quantile, for normal noise 1.2816
+    # sigma, leaves a few steps aside, and is not 0 for noise that is cut off at zero.
     near = slice(*np.searchsorted(t, [t[i] - _NEAR, t[i + 1] + _NEAR]))
     t_near, x_near = t[near], x[near]
     weight = (t_near[1:-1] - t_near[:-2]) / (t_near[2:] - t_near[:-2])
@@ -161,10 +153,9 @@ def _leads_to_origin(t: Array, x: Array, noise: float, tolerance: float) -> bool
 
 
 def without_open_ends(channels: dict[str, Array]) -> tuple[dict[str, Array], tuple[str, ...]]:
-    """Cut the rows at both ends in which a channel has no value yet, or none any more.
+    """Cut the rows at both ends in which a channel has no value; return the channels and a note.
 
-    Return ``channels`` with the rows (m,) of the n that remain, and a note. A channel that lacks
-    values for more than `ENDS` [s] at an end does not cut: it counts as a channel with a gap.
+    A channel that lacks values for more than `ENDS` at an end does not cut: this is a gap.
     """
     time = channels["time"]
     begin, end, trimmed = 0, time.size, list[str]()
@@ -189,7 +180,7 @@ def without_open_ends(channels: dict[str, Array]) -> tuple[dict[str, Array], tup
 def complete_channels(
     channels: dict[str, Array], require: tuple[str, ...], where: str
 ) -> tuple[dict[str, Array], tuple[str, ...]]:
-    """Keep the channels that are finite in every row; return them with a note on each other one.
+    """Return the channels that are finite in every row, and a note on each of the others.
 
     Raises LogError for a channel in ``require`` without any value, and for a gap in a channel that
     every log must have.

@@ -7,8 +7,8 @@ omega  97.1 97.0   0.0  96.9  96.8        no brake stops a wheel for one sample
 A channel is cut into parts where the step between two samples is impossible. The longest part is
 taken as true, and the other parts are judged from it, forwards and backwards.
 
-Marked samples count as samples without a value: `calib.logs.gaps` bridges a few of them where the
-channel is smooth; a log with more of them is refused.
+Marked samples have no value any more: `calib.logs.gaps` bridges a few of them where the channel is
+smooth; a log with more of them is refused.
 """
 
 from collections.abc import Mapping
@@ -17,9 +17,8 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from calib.base.arrays import Array
+from calib.base.arrays import Array, Mask
 from calib.base.errors import LogError
 from calib.base.intervals import white_noise
 from calib.base.names import CHANNELS, WHEEL_SPEEDS
@@ -27,16 +26,14 @@ from calib.base.units import from_si
 from calib.logs.clock import LATEST, is_ascending
 from calib.logs.gaps import BRIDGE, ENDS, ChannelHole, fill_rows
 
-Mask = NDArray[np.bool_]
-
 
 class _Possible(NamedTuple):
     """Bounds of a channel; values in its SI unit, rates in this unit per second.
 
-    ``rise`` and ``to_zero`` are the fastest rise, and the fastest change from or to exactly 0, in
-    steps of up to `_QUICK` [s]; in longer steps ``slow_rate`` is added. ``zero_jump`` is a change
-    from or to 0 that is always possible. ``largest`` is the largest value. If ``short_only``, only
-    parts are marked that are short enough for a bridge.
+    ``rise`` and ``to_zero`` are the rates of the fastest rise and of the fastest change from or to
+    exactly 0, in steps of up to `_QUICK` [s]; in longer steps ``slow_rate`` is added. ``zero_jump``
+    is a change from or to 0 that is always possible. ``largest`` is the largest value. If
+    ``short_only``, only parts are marked that are short enough for a bridge.
     """
 
     rise: float
@@ -59,8 +56,7 @@ _POSSIBLE = {
     "a_x": _Possible(np.inf, np.inf, np.inf, np.inf, 50.0),
 }
 
-_QUICK = 0.05
-"""Longest step [s] in which only tyre or brake turn a wheel; in a longer one the car slows, too."""
+_QUICK = 0.05  # longest step [s] in which a wheel changes its speed, and the car does not
 _NOISE_SIGMAS = 10.0  # a jump by this many standard deviations of the noise is possible [1]
 _JUMP = 2.0  # a jump up to this [SI] is possible: a lost pulse of 48 for a turn makes 2 rad/s
 _FEW = 0.02  # largest share of marked samples [1]; a log with more of them is refused
@@ -86,9 +82,9 @@ def without_impossible(
 ) -> tuple[dict[str, Array], tuple[Marked, ...], tuple[ChannelHole, ...]]:
     """Replace impossible samples by NaN, or by a bridge where `calib.logs.gaps` allows one.
 
-    ``channels`` [SI] have shape (n,); they stay as they are if the times do not ascend. Return the
-    channels, the marked samples and the bridged gaps. Raises LogError if more than `_FEW` of the
-    samples of a required channel are marked.
+    Return the channels, the marked samples and the bridged gaps. ``channels`` [SI] (n,) stay as
+    they are if the times do not ascend. Raises LogError if more than `_FEW` of the samples of a
+    required channel are marked.
     """
     time, values = channels["time"], dict(channels)
     if not is_ascending(time):
@@ -139,9 +135,8 @@ def _impossible(time: Array, x: Array, possible: _Possible) -> Mask:
 def _unreachable(time: Array, x: Array, possible: _Possible) -> Mask:
     """Mask (n,) of the parts that cannot be reached from the longest part.
 
-    A part is marked if it begins at or below zero, which the channel cannot reach so fast, or above
-    what the channel can rise to. A part that begins lower is kept: slow messages show a wheel that
-    begins to slip in one step.
+    These begin at or below zero, which the channel cannot reach so fast, or above what the channel
+    can rise to. A lower part is kept: in slow messages a wheel begins to slip in one step.
     """
     tolerance = 0.0
     if np.isfinite(possible.rise):
@@ -187,7 +182,7 @@ def _largest_changes(step: Array, tolerance: float, possible: _Possible) -> tupl
 
 
 _ABSURD = {"Pa": 1e9, "m/s^2": 1e4, "rad/s": 1e5, "m/s": 1e4, "rad": 1e4, "N*m": 1e7, "degC": 1e5}
-"""Values by SI unit that lie far above every value of a car, even if its unit is wrong."""
+"""Values far above every value of a car, even in a wrong unit, by SI unit."""
 
 
 def refuse_absurd(channels: Mapping[str, Array], where: str) -> None:

@@ -12,10 +12,7 @@ from calib.logs.impossible import Marked
 
 @dataclass(frozen=True)
 class Origin:
-    """How the SI value of a channel follows from the file: factor * written value + offset.
-
-    ``source`` is the column of the file, and ``unit`` the unit of its written values.
-    """
+    """A channel [SI] = ``factor`` * its column ``source`` in the file [``unit``] + ``offset``."""
 
     channel: str
     source: str
@@ -39,8 +36,8 @@ class Log:
 
     ``digest`` is the SHA-256 of the file, or of the content of a simulation. ``truth`` [SI] scores
     the estimates of a simulated run. ``ignored`` columns are no channels, ``notes`` say what the
-    reader changed. ``bridged`` gaps were filled, ``marked`` samples were impossible and removed.
-    ``interpolated`` channels were recorded on another clock than ``time``.
+    reader changed. ``bridged`` gaps were filled, ``marked`` samples removed. ``interpolated``
+    channels were recorded on another clock than ``time``.
     """
 
     name: str

@@ -32,11 +32,10 @@ _Place = tuple[int, int]  # numbers of the group and of the channel in it
 
 
 def open_mdf(path: Path, dbc: Databases) -> Recording:
-    """Open an MDF file.
+    """Open an MDF file. Raises LogError as `check_mdf`, and if asammdf cannot read the file.
 
-    Bus frames are decoded with the DBC; without one they are ignored, with a note. A file that its
-    recorder did not finish is finished in memory by asammdf, with a note. Raises LogError as
-    `check_mdf` does, and if asammdf cannot read the file.
+    Bus frames are ignored without a DBC, with a note. A file that its recorder did not finish is
+    finished in memory by asammdf, with a note.
     """
     where = str(path)
     asammdf = need("asammdf", "mdf", where, LogError)
@@ -54,7 +53,7 @@ def open_mdf(path: Path, dbc: Databases) -> Recording:
 
 
 def _recording(mdf: Any, dbc: Databases, notes: list[str], where: str) -> Recording:
-    """The measured channels of an open file, and after them the signals of its bus frames."""
+    """Return the measured channels of an open file, and after them the signals of bus frames."""
     buses = [
         number
         for number, group in enumerate(mdf.groups)
@@ -81,15 +80,15 @@ def _recording(mdf: Any, dbc: Databases, notes: list[str], where: str) -> Record
             for i in indices
         ]
 
-    every_column = (CLOCK, *columns, *signal_columns)
-    return Recording(every_column, read, (*database.notes, *notes), mdf.close)
+    all_columns, all_notes = (CLOCK, *columns, *signal_columns), (*database.notes, *notes)
+    return Recording(all_columns, read, all_notes, mdf.close)
 
 
 def _check_groups(mdf: Any, counts: dict[int, int], where: str) -> None:
-    """Check what asammdf does not check; raise LogError for a file that cannot be read rightly.
+    """Check what asammdf does not check. Raises LogError for a file that is damaged or too large.
 
-    A channel must lie within its record, the records must fit into the memory, and a group of an
-    unfinished file must have the number of records in ``counts``.
+    A channel must lie within its record, and a group of an unfinished file must have the number of
+    records in ``counts``.
     """
     for group in mdf.groups:
         record = group.channel_group
@@ -112,7 +111,7 @@ def _check_groups(mdf: Any, counts: dict[int, int], where: str) -> None:
 def _channels(
     mdf: Any, buses: Sequence[int], titles: Sequence[str]
 ) -> tuple[list[Column], list[_Place], list[str]]:
-    """Columns and places of the measured channels, and notes on groups without a clock."""
+    """Return columns and places of the measured channels, and notes on groups without a clock."""
     columns, places, notes = [], [], []
     for number, group in enumerate(mdf.groups):
         if number in buses or not (group.channel_group.cycles_nr and group.channels):
@@ -131,7 +130,7 @@ def _channels(
 
 
 def _titles(mdf: Any) -> list[str]:
-    """Name of each group; a name that several groups have is followed by the group's number."""
+    """Return the names of the groups; a name that several have is followed by their number."""
     groups = enumerate(mdf.groups)
     names = [getattr(g.channel_group, "acq_name", "") or f"group {i}" for i, g in groups]
     return [f"{name}#{i}" if names.count(name) > 1 else name for i, name in enumerate(names)]
@@ -164,10 +163,9 @@ def _select(mdf: Any, places: Sequence[_Place], names_as_numbers: bool, where: s
 
 
 def _values(mdf: Any, place: _Place, signal: Any, where: str) -> tuple[np.ndarray, bool]:
-    """Values (n,) of a channel, and whether it is a state.
+    """Return the values (n,) of a channel, and whether it is a state: all its values have names.
 
-    A channel is a state if all its values have names. If only some have, such as "not available",
-    they are NaN, as invalid samples are.
+    If only some values have names, such as "not available", they are NaN, as invalid samples are.
     """
     conversion = mdf.groups[place[0]].channels[place[1]].conversion
     kinds = _VALUE_TO_TEXT["4" if str(mdf.version).startswith("4") else "3"]
@@ -187,16 +185,14 @@ def _values(mdf: Any, place: _Place, signal: Any, where: str) -> tuple[np.ndarra
 
 
 def _frames(mdf: Any, groups: list[int], database: Dbc, where: str) -> list[Frames]:
-    """The frames that the database describes, by message, of all groups (sent and received)."""
+    """Return the frames that the database describes, by message, of all groups together."""
     records = [_frame_records(mdf, number, where) for number in groups]
     parts = [record for record in records if record is not None]
     if not parts:
         return []
     width = max(part.data.shape[1] for part in parts)
-    data = np.concatenate(
-        [np.pad(part.data, ((0, 0), (0, width - part.data.shape[1]))) for part in parts]
-    )
-    codes = np.concatenate([part.codes for part in parts])
+    padded = [np.pad(part.data, ((0, 0), (0, width - part.data.shape[1]))) for part in parts]
+    data, codes = np.concatenate(padded), np.concatenate([part.codes for part in parts])
     time = np.concatenate([part.time for part in parts])
     length = np.concatenate([part.length for part in parts])
     result = []
@@ -214,8 +210,7 @@ def _frames(mdf: Any, groups: list[int], database: Dbc, where: str) -> list[Fram
 class _FrameRecords(NamedTuple):
     """The frames of a group: ``time`` [s] (n,), ``data`` (n, bytes), ``length`` [bytes] (n,).
 
-    ``codes`` (n,) hold the identifier in bits 0 to 28, whether it is extended in bit 29, and the
-    number of the bus above it.
+    ``codes`` (n,) hold identifier (bits 0 to 28), whether it is extended (29), and bus (30 on).
     """
 
     codes: Any
@@ -225,7 +220,7 @@ class _FrameRecords(NamedTuple):
 
 
 def _frame_records(mdf: Any, number: int, where: str) -> _FrameRecords | None:
-    """The frames of the group with this number, or None if it has none."""
+    """Return the frames of the group with this number, or None if it has none."""
     names = {c.name for c in mdf.groups[number].channels}
     cycles = int(mdf.groups[number].channel_group.cycles_nr)
     if f"{_FRAME}.DataBytes" not in names or not cycles:
@@ -261,7 +256,7 @@ def _too_few(unit: str, readable: int, counted: int, where: str) -> LogError:
 
 @contextmanager
 def _readable(where: str, part: str = "file") -> Iterator[None]:
-    """Raise LogError in the place of what asammdf raises for a damaged file: almost anything."""
+    """Raise LogError instead of what asammdf raises for a damaged file, which is any exception."""
     try:
         yield
     except Exception as cause:

@@ -48,10 +48,9 @@ class _Block(NamedTuple):
 
 @dataclass
 class _Group:
-    """A channel group at byte ``place``.
+    """A channel group at byte ``place``: the file states ``promised`` records and holds ``count``.
 
-    ``size`` is the number of bytes of a record, unless it is ``variable``. ``promised`` is the
-    number of records that the file states, ``count`` the number that it holds.
+    A record has ``size`` bytes, unless it is ``variable``.
     """
 
     place: int
@@ -126,9 +125,10 @@ def _refuse_rings(data: mmap.mmap, order: str, path: Path) -> None:
 
 
 def _check_blocks(data: mmap.mmap, path: Path) -> set[int]:
-    """First bytes of all blocks of MDF 4. Raises LogError if one goes past the end of the file.
+    """Return the first bytes of all blocks of MDF 4.
 
-    Raises ValueError for a second link to a block of the tree.
+    Raises LogError for a block past the end of the file, ValueError for two links to one block of
+    the tree.
     """
     visited, linked, todo, end, size = set[int](), set[int](), [_HEAD], _HEAD, len(data)
     unpacked = 0
@@ -166,8 +166,8 @@ def _counted(
 ) -> tuple[str, dict[int, int]]:
     """Count the records of an unfinished file; return a note and the counts by group.
 
-    ``starts`` are the first bytes of the blocks and the size of the file, ascending. asammdf counts
-    the records, too, but stops without an error at a record with an unknown identifier.
+    ``starts`` are the first bytes of the blocks and the size of the file, ascending. asammdf would
+    stop counting without an error at a record with an unknown identifier.
     """
     counts: dict[int, int] = {}
     records = leftover = 0
@@ -209,10 +209,9 @@ def _counted(
 def _count(
     data: mmap.mmap, groups: dict[int, _Group], span: tuple[int, int], id_size: int, path: Path
 ) -> int:
-    """Count the records within a span of bytes, in their ``groups``.
+    """Count the records within a span of bytes, in their ``groups``; return the end of the last.
 
-    Return the byte at which the last whole record ends. Records have an identifier of ``id_size``
-    bytes, or none if there is one group only.
+    Records begin with an identifier of ``id_size`` bytes, which is 0 if there is one group only.
     """
     place, end = span
     if not id_size:

@@ -25,8 +25,7 @@ _MDF_CLOCK = "timestamps"  # time index [s] of a table that asammdf exported
 def open_parquet(data: bytes, where: str, text_format: object = None) -> ColumnSource:
     """Open a Parquet file; ``text_format`` is not used, all readers of tables have it.
 
-    A unit may also stand in the name of a column. Time stamps are converted to seconds from the
-    first row. Raises LogError for a file that is not whole.
+    Time stamps are converted to seconds from the first row. Raises LogError for a damaged file.
     """
     import pyarrow as pa
     import pyarrow.parquet as pq
@@ -94,7 +93,7 @@ def _clock_unit(kind: "pyarrow.DataType") -> float | None:
 
 
 def _from_first(column: "pyarrow.ChunkedArray", unit: float, where: str) -> Array:
-    """Time [s] (n,) since the first row; ``unit`` [s] is that of one count."""
+    """Time [s] (n,) since the first row, of counts of ``unit`` [s]."""
     import pyarrow as pa
     import pyarrow.compute as pc
 
@@ -107,14 +106,14 @@ def _from_first(column: "pyarrow.ChunkedArray", unit: float, where: str) -> Arra
 
 
 def _require_numbers(kind: "pyarrow.DataType", where: str) -> None:
-    """Raise LogError for a column that is not numeric, before its values take any memory."""
+    """Raise LogError for a column that is not numeric, before its values are read."""
     import pyarrow.types as types
 
     value = kind.value_type if types.is_dictionary(kind) else kind
     numeric = types.is_integer(value) or types.is_floating(value) or types.is_decimal(value)
-    if numeric or types.is_boolean(value) or types.is_null(value) or _clock_unit(value) is not None:
-        return
-    raise LogError(f"holds {kind}, not numbers", where=where, expected="a numeric column")
+    numeric = numeric or types.is_boolean(value) or types.is_null(value)
+    if not numeric and _clock_unit(value) is None:
+        raise LogError(f"holds {kind}, not numbers", where=where, expected="a numeric column")
 
 
 def parquet_table(data: bytes) -> "pyarrow.Table":
@@ -132,8 +131,8 @@ def parquet_table(data: bytes) -> "pyarrow.Table":
 def numbers(column: Any) -> Array:
     """Return a chunked column as numbers (n,); null becomes NaN.
 
-    Doubles are read from their buffers, and only other types are cast: `to_numpy` imports pandas
-    and `cast` loads the functions of pyarrow, and either takes longer than reading a log.
+    Doubles are read from their buffers, since `to_numpy` imports pandas and `cast` loads all
+    functions of pyarrow; either takes longer than reading a log.
     """
     import pyarrow as pa
 
@@ -151,7 +150,7 @@ def numbers(column: Any) -> Array:
 
 
 def column_of(x: NDArray[Any]) -> "pyarrow.Array":
-    """Return an array (n,) as a column of Arrow, without `pyarrow.array`, which imports pandas."""
+    """Return an array (n,) as a column of Arrow; `pyarrow.array` would import pandas."""
     import pyarrow as pa
 
     kind = pa.bool_() if x.dtype == bool else pa.from_numpy_dtype(x.dtype)
@@ -163,12 +162,18 @@ def parquet_of(
     columns: Mapping[str, NDArray[Any]], units: Mapping[str, str], **options: Any
 ) -> bytes:
     """Make a Parquet file of ``columns`` (n,) with their ``units``; its bytes are reproducible."""
+    return table_bytes({name: column_of(x) for name, x in columns.items()}, units, **options)
+
+
+def table_bytes(
+    arrays: "Mapping[str, pyarrow.Array]", units: Mapping[str, str | None], **options: Any
+) -> bytes:
+    """Make a Parquet file of columns of Arrow; a unit of None is not written."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    arrays = {name: column_of(x) for name, x in columns.items()}
-    fields = [pa.field(n, x.type, metadata={UNIT_KEY: units[n]}) for n, x in arrays.items()]
-    sink = pa.BufferOutputStream()
-    table = pa.Table.from_arrays([*arrays.values()], schema=pa.schema(fields))
+    metadata = {name: None if unit is None else {UNIT_KEY: unit} for name, unit in units.items()}
+    fields = [pa.field(name, x.type, metadata=metadata[name]) for name, x in arrays.items()]
+    table, sink = pa.table([*arrays.values()], pa.schema(fields)), pa.BufferOutputStream()
     pq.write_table(table, sink, **options)
     return bytes(sink.getvalue().to_pybytes())

@@ -52,9 +52,8 @@ def open_log(
     """Open a log as it is, for the time of the context; no column becomes a channel yet.
 
     Errors name ``path``, and its ending gives the format. ``data`` are the bytes of the log if they
-    were read already, ``file`` is the file that holds them if ``path`` does not. Of ``channel_map``
-    only the text format and the DBC are used. Raises LogError for a file that is not a log, or not
-    complete.
+    were read already, ``file`` is the file that holds them if ``path`` does not. ``channel_map``
+    gives the text format and the DBC. Raises LogError for a file that is no log, or not complete.
     """
     path, content = Path(path), Path(file or path)
     ending = ending_of(path)
@@ -88,8 +87,8 @@ def read_log(
 ) -> Log:
     """Read one run. The ending gives the format; ``channel_map`` says which columns are channels.
 
-    Channels in ``require`` must have values; another channel without any is left out, with a note.
-    ``data`` and ``file`` are those of `open_log`. Raises LogError for a file that is not a valid
+    Channels in ``require`` must have values; another channel without values is left out, with a
+    note. ``data`` and ``file`` are as in `open_log`. Raises LogError for a file that is not a valid
     log, ChannelMapError for a map that does not fit.
 
     >>> import calib
@@ -122,6 +121,7 @@ def read_log(
         values, gap_notes = complete_channels(trimmed, needed, where)
         unit = next(item.unit for item in assigned if item.channel == "time")
         check_clock(values["time"], where, unit)
+        read_notes = (*source.notes, *unitless, *resampled.notes)
         return Log(
             stem_of(Path(path)),
             where,
@@ -129,10 +129,7 @@ def read_log(
             channels={name: values[name] for name in CHANNELS if name in values},
             truth={name: v for name, v in values.items() if name.startswith(TRUTH)},
             ignored=ignored,
-            notes=(
-                *(*source.notes, *unitless, *resampled.notes),
-                *(*delay_notes, *trim_notes, *gap_notes),
-            ),
+            notes=(*read_notes, *delay_notes, *trim_notes, *gap_notes),
             origins=tuple(item.origin() for item in assigned if item.channel in values),
             bridged=tuple(gap for gap in (*resampled.bridged, *bridged) if gap.channel in values),
             marked=marked,
@@ -165,7 +162,7 @@ def _without_delays(
 ) -> tuple[dict[str, Array], list[str]]:
     """Undo the delays of the map; return the rows for which every channel has a value, and notes.
 
-    A channel with the delay d was recorded late: its value at time t is the recorded one at t + d.
+    The value of a channel with the delay d at time t is that recorded at t + d.
     """
     time = channels["time"]
     delays = {item.channel: item.mapping.delay for item in assigned if item.mapping.delay}
@@ -182,7 +179,7 @@ def _without_delays(
 
 
 def refuse_mapped_time(assigned: list[Assigned], channel_map: ChannelMap | None) -> None:
-    """Raise ChannelMapError if the map names another clock of a recording than its first column."""
+    """Raise ChannelMapError if the map names a clock for a recording."""
     clock = next(item for item in assigned if item.channel == "time")
     if clock.index != 0:
         raise ChannelMapError(
@@ -199,7 +196,7 @@ def log_bytes(path: Path, where: object) -> bytes:
 
 
 def _kind_of(path: Path, where: object) -> FileKind:
-    """The kind of file that bounds the size of a log. Raises LogError for an unknown ending."""
+    """Return the kind of file, which bounds its size. Raises LogError for an unknown ending."""
     ending = ending_of(path)
     if ending not in FORMATS and path.is_file():
         raise LogError(

@@ -20,10 +20,8 @@ from calib.logs.gaps import INSTANT, ChannelHole, Filled, fill, fill_rows, in_wo
 from calib.logs.source import ChannelTrace
 
 _FASTEST = 1050.0  # a rate above this [Hz] is used as the clock only if no channel is slower
-_ALIKE = 0.9
-"""Clocks with at least this share of the highest rate [1] count as equally fast."""
-_UNEVEN = 0.5
-"""Nine tenths of the steps of an even clock differ from their median by at most this share [1]."""
+_ALIKE = 0.9  # clocks with at least this share of the highest rate [1] count as equally fast
+_UNEVEN = 0.5  # largest deviation of nine tenths of the steps of an even clock, over their median
 _ENDS = 0.5  # longest time [s] that an optional channel may cut off at either end of the log
 
 
@@ -31,8 +29,8 @@ _ENDS = 0.5  # longest time [s] that an optional channel may cut off at either e
 class Resampled:
     """Channels on one clock ``time`` [s] (n,), in the order in which they were given.
 
-    ``values`` have shape (n,), NaN for no value. ``rates`` [Hz], by name, are those at which the
-    channels were recorded. ``interpolated`` names the channels that had another clock.
+    ``values`` (n,) are NaN where there is none. The channels were recorded at ``rates`` [Hz], by
+    name. ``interpolated`` names those that had another clock.
     """
 
     time: Array
@@ -44,10 +42,9 @@ class Resampled:
 
 
 def rows_on_one_clock(time: Array, columns: Mapping[str, Array], where: str) -> Resampled:
-    """Put the columns (n,) of a table on one clock; its rows have the times ``time`` [s] (n,).
+    """Put the columns (n,) of a table with rows at ``time`` [s] (n,) on one clock.
 
-    Rows of one clock stay, with short gaps bridged. Rows of several clocks are resampled by
-    `on_one_clock`.
+    Rows of one clock stay, with short gaps bridged. Others are resampled by `on_one_clock`.
     """
     if not _have_several_clocks(time, columns):
         time, rounded = on_line(time) if is_ascending(time) else (time, ())
@@ -67,8 +64,8 @@ def rows_on_one_clock(time: Array, columns: Mapping[str, Array], where: str) -> 
 def _have_several_clocks(time: Array, columns: Mapping[str, Array]) -> bool:
     """Whether the rows at ``time`` [s] (n,) are the time stamps of several clocks together.
 
-    The times of all rows are uneven then, but those of the rows in which one column has a value
-    are even. Only required channels are asked, if there are some.
+    Then the times of all rows are uneven, and those of the rows with a value of one column are
+    even. If there are required channels, only these are asked.
     """
     if time.size < 3 or not is_ascending(time) or _is_even(time):
         return False
@@ -82,9 +79,9 @@ def on_one_clock(traces: Sequence[ChannelTrace], where: str) -> Resampled:
 
     Of clocks that are equally fast the one with most wheel speeds is taken. Other channels are
     interpolated linearly, states hold their last value. A channel is NaN outside its samples, and
-    in a gap that `calib.logs.gaps` leaves open. Columns that are no channels decide nothing, unless
-    there is no channel. Raises LogError if the required channels have no time in common, and for
-    times out of order.
+    in a gap that `calib.logs.gaps` leaves open. Columns that are no channels count only if there is
+    no channel. Raises LogError if the required channels have no time in common, and for times out
+    of order.
     """
     if not traces:
         raise LogError("no channel is known", where=where, do="name channels in a channel map")
@@ -114,7 +111,7 @@ def on_one_clock(traces: Sequence[ChannelTrace], where: str) -> Resampled:
 
 
 def _cleaned(traces: Sequence[ChannelTrace], where: str) -> tuple[list[ChannelTrace], list[str]]:
-    """Traces of valid samples at ascending times, and notes on what was left out."""
+    """Return traces of valid samples at ascending times, and notes on what was left out."""
     clocks: dict[str, Array] = {}
     notes: list[str] = []
     cleaned = []
@@ -137,7 +134,7 @@ def _cleaned(traces: Sequence[ChannelTrace], where: str) -> tuple[list[ChannelTr
 
 
 def _ordered(trace: ChannelTrace, time: Array) -> ChannelTrace:
-    """Sort the valid values by ``time`` [s] (n,); of equal times keep the last in the file."""
+    """Sort the valid samples by ``time`` [s] (n,); of equal times keep the last in the file."""
     valid = ~np.isnan(trace.values)
     if np.all(np.diff(time) > 0) and valid.all():
         return replace(trace, time=time)
@@ -148,15 +145,14 @@ def _ordered(trace: ChannelTrace, time: Array) -> ChannelTrace:
 
 
 def _required(channels: list[ChannelTrace]) -> list[ChannelTrace]:
-    """The required channels, or all if none is required."""
     required = [x for x in channels if x.name in CHANNELS and CHANNELS[x.name].required]
     return required or channels
 
 
 def _span(channels: list[ChannelTrace], where: str) -> tuple[float, float, list[str]]:
-    """First and last time [s] that all required channels share, with a note on cut ends.
+    """Return first and last time [s] that all required channels share, and a note on cut ends.
 
-    Optional channels that end at most `_ENDS` before the required ones shorten the span, too.
+    Optional channels that are at most `_ENDS` shorter than this span shorten it, too.
     """
     required = _required(channels)
     low = max(float(x.time[0]) for x in required)
@@ -180,14 +176,14 @@ def _span(channels: list[ChannelTrace], where: str) -> tuple[float, float, list[
 
 
 def _is_even(time: Array) -> bool:
-    """Whether nearly all steps are equally long, unlike those of a multiplexed message."""
+    """Whether nearly all steps are alike, which those of a multiplexed message are not."""
     steps = np.diff(time)
     median = float(np.median(steps))
     return bool(np.quantile(np.abs(steps - median), 0.9) <= _UNEVEN * median)
 
 
 def _master(channels: list[ChannelTrace], rates: dict[str, float]) -> ChannelTrace:
-    """The channel whose times become the clock."""
+    """Return the channel whose times become the clock."""
     required = _required(channels)
     candidates = [x for x in required if _is_even(x.time)] or required
     all_rates = [rates[x.name] for x in candidates]
@@ -218,7 +214,7 @@ def _at(times: Array, trace: ChannelTrace) -> Filled:
 def _notes(
     channels: list[ChannelTrace], master: ChannelTrace, rates: dict[str, float]
 ) -> list[str]:
-    """A note for each group of channels: whether it is the clock, held or interpolated."""
+    """Write a note for each group of channels: whether it is the clock, held or interpolated."""
     has_clock = [np.array_equal(x.time, master.time) for x in channels]
     if all(has_clock):
         return []

@@ -16,10 +16,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Column:
-    """A column as the file names it.
-
-    ``full`` is a longer name, such as that with the name of the group, or "".
-    """
+    """A column as the file names it; ``full`` is a longer name, as with that of a group, or ""."""
 
     name: str
     unit: str | None
@@ -27,7 +24,7 @@ class Column:
 
     @property
     def full_name(self) -> str:
-        """The longer name, if there is one, else the name."""
+        """The longer name, or the name if there is no longer one."""
         return self.full or self.name
 
     @property
@@ -68,7 +65,7 @@ class ColumnSource:
 def each_of(
     read: Callable[[Sequence[int]], Sequence[T]], indices: Sequence[int]
 ) -> list[T | LogError]:
-    """Read each index; the error takes the place of the result of one that cannot be read."""
+    """Read each index; where one cannot be read, the error takes the place of the result."""
     with suppress(LogError):
         return [*read(indices)] if indices else []
     results: list[T | LogError] = []
@@ -88,8 +85,8 @@ class ChannelTrace:
     """One channel as it was recorded.
 
     ``time`` [s] and ``values`` have shape (n,) and the order of the file; a value is as written,
-    or NaN if it is invalid. Traces with the same name of a ``clock`` have the same times. A
-    ``state``, such as a gear, keeps its value until the next sample.
+    or NaN if it is invalid. Traces with the same ``clock`` have the same times. A ``state``, such
+    as a gear, keeps its value until the next sample.
     """
 
     clock: str
@@ -104,7 +101,7 @@ class Recording:
     """An opened log of several clocks.
 
     ``read`` takes indices of columns and returns a trace for each. The first column is `CLOCK`,
-    the common clock after resampling, which has no trace. ``close`` closes the file.
+    the common clock after resampling, which has no trace.
     """
 
     columns: tuple[Column, ...]

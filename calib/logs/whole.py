@@ -1,7 +1,7 @@
 """Every numeric column of a log as written, on one clock: to be looked at, cut or converted.
 
-`calib.logs.read` gives the known channels in SI. Here columns that are no channels stay and no unit
-is changed; a mapped column has its canonical name and the unit of the map.
+Columns that are no channels stay, and no unit is changed. A mapped column has its canonical name
+and the unit of the map.
 """
 
 from collections.abc import Collection
@@ -28,7 +28,7 @@ TIME = "time"
 class WholeColumn:
     """One column: ``values`` (n,) in ``unit``, NaN for no value.
 
-    ``rate`` [Hz] is given if the column was recorded on another clock than the rows.
+    ``rate`` [Hz] is None unless the column was recorded on another clock than the rows.
     """
 
     name: str
@@ -75,7 +75,7 @@ def read_whole(path: Path, channel_map: ChannelMap | None = None) -> WholeLog:
         if isinstance(opened.source, Recording):
             refuse_mapped_time(assigned, channel_map)
         source = as_table(opened.source, str(path), by_index)
-    # an ignored column is left out: a reader of the result would take it for a channel by its name
+    # an ignored column is left out: whoever reads the result would take it for a channel
     ignore = channel_map.ignore if channel_map else ()
     columns, notes = list[WholeColumn](), list[str]()
     names = {item.channel for item in by_index.values()}
@@ -88,7 +88,7 @@ def read_whole(path: Path, channel_map: ChannelMap | None = None) -> WholeLog:
         while name in names:  # another column has this name: the full name, then with a number
             name = column.full_name if number == 1 else f"{column.full_name}#{number}"
             number += 1
-        if (item := by_index.get(index)) is not None:  # a mapped column has the channel's name
+        if item := by_index.get(index):
             name, unit, values = item.channel, item.unit, item.mapping.in_unit(values)
         names.add(name)
         columns.append(WholeColumn(name, unit, values, source.rates.get(index)))
@@ -109,9 +109,9 @@ def channels_log(log: WholeLog) -> Log:
 
 
 def cut(log: WholeLog, start: float | None = None, end: float | None = None) -> WholeLog:
-    """Keep the rows from ``start`` to ``end`` [s], both included. Raises LogError if none is left.
+    """Keep the rows from ``start`` to ``end`` [s], both included; None is that of the log.
 
-    None is the start or the end of the log.
+    Raises LogError if no row is left.
     """
     time = log.time
     first = 0 if start is None else int(np.searchsorted(time, start, side="left"))
@@ -141,7 +141,7 @@ def in_si(log: WholeLog) -> WholeLog:
 
 @dataclass(frozen=True)
 class Inventory:
-    """What one column holds: lowest and highest value in ``unit``, number of ``samples``.
+    """Content of a column: lowest and highest value in ``unit``, number of ``samples``.
 
     ``rate`` [Hz]; ``gaps`` are pairs of start and length [s].
     """

@@ -21,7 +21,7 @@ from calib.base.names import CHANNELS, TRUTH_UNITS
 from calib.base.units import from_si
 from calib.base.write import write_whole
 from calib.logs.log import Log
-from calib.logs.parquet import UNIT_KEY
+from calib.logs.parquet import table_bytes
 from calib.logs.text.cells import column_from_cell
 from calib.logs.whole import TIME, WholeColumn, WholeLog
 
@@ -74,7 +74,7 @@ def _to_csv(log: WholeLog) -> bytes:
 
 
 def _unit(name: str, unit: str | None) -> str | None:
-    """The unit to write: "" instead of None if a name alone would be read as a name and a unit."""
+    """Return the unit to write: "" for None if a name alone would be read as name and unit."""
     if unit:
         return unit
     as_read = column_from_cell(name)
@@ -83,20 +83,11 @@ def _unit(name: str, unit: str | None) -> str | None:
 
 def _to_parquet(log: WholeLog) -> bytes:
     import pyarrow as pa
-    import pyarrow.parquet as pq
 
-    fields, arrays = [], []
-    for column in log.columns:
-        unit = _unit(column.name, column.unit)
-        metadata = None if unit is None else {UNIT_KEY: unit.encode()}
-        fields.append(pa.field(column.name, pa.float64(), metadata=metadata))
-        arrays.append(pa.array(column.values, from_pandas=True))
-    table = pa.Table.from_arrays(arrays, schema=pa.schema(fields))
-    buffer = pa.BufferOutputStream()
-    pq.write_table(
-        table, buffer, compression="zstd", use_dictionary=False, write_page_checksum=True
-    )
-    return bytes(buffer.getvalue().to_pybytes())
+    arrays = {c.name: pa.array(c.values, pa.float64(), from_pandas=True) for c in log.columns}
+    units = {c.name: _unit(c.name, c.unit) for c in log.columns}
+    options = {"compression": "zstd", "use_dictionary": False, "write_page_checksum": True}
+    return table_bytes(arrays, units, **options)
 
 
 def _to_mdf(log: WholeLog) -> bytes:
@@ -119,5 +110,5 @@ WRITERS: dict[str, Callable[[WholeLog], bytes]] = {
 }
 """Functions that make the bytes of a file, by its ending.
 
-The one of MDF raises LogError if the log has no clock, or if asammdf is not installed.
+`_to_mdf` raises LogError if the log has no clock, or if asammdf is not installed.
 """

@@ -90,7 +90,7 @@ def in_map(*lines):
           for dbc in ("5", '""', '["a.dbc", 5]', "{}", "{can0 = 5}", "{'' = 'a.dbc'}")),
     ],
 )  # fmt: skip
-def test_slips_are_named(tmp_path, text, key):
+def test_mistakes_are_named(tmp_path, text, key):
     path = write_map(tmp_path, text)
     assert key in refusal(read_channel_map, path, kind=ChannelMapError, names=path)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from calib.base.errors import LogError
-from calib.logs.clock import check_running, is_ascending, on_line, step_of
+from calib.logs.clock import check_running, on_line, step_of
 from calib.logs.read import read_log
 from tests.support.made_runs import made_run, stop
 
@@ -40,12 +40,12 @@ def test_rows_of_several_clocks_are_put_on_one(tmp_path):
     path = tmp_path / "run.csv"
     path.write_text("\n".join([*rows, ""]))
     log = read_log(path)
-    at = log.time - start
+    elapsed = log.time - start
     assert log.sample_time == pytest.approx(0.01, rel=1e-3)
     assert np.all(np.diff(log.time) > 0.005)
-    later = np.interp(at - 0.0021, RUN.time, RUN["omega_fl"])
+    later = np.interp(elapsed - 0.0021, RUN.time, RUN["omega_fl"])
     np.testing.assert_allclose(log["omega_fl"], later, atol=2e-3)
-    np.testing.assert_allclose(log["p_mc"], np.interp(at, RUN.time, RUN["p_mc"]), atol=2e3)
+    np.testing.assert_allclose(log["p_mc"], np.interp(elapsed, RUN.time, RUN["p_mc"]), atol=2e3)
 
 
 @pytest.mark.parametrize("unit", ["sec", "s", "ms"])
@@ -125,11 +125,7 @@ def test_an_optional_channel_of_an_unknown_unit_is_left_out(tmp_path):
     assert any("furlong" in note for note in log.notes)
 
 
-def test_a_time_that_stands_is_not_ascending():
-    assert not is_ascending(np.array([0.0, 0.1, 0.1, 0.2]))
-
-
-def kept(size, lost=()):
+def remaining_rows(size, lost=()):
     """Numbers of the rows that were not lost."""
     return np.delete(np.arange(size), lost)
 
@@ -138,7 +134,7 @@ def kept(size, lost=()):
 @pytest.mark.parametrize("lost", [(), (300,), range(600, 1000)])
 @pytest.mark.parametrize("written", [np.round, np.floor], ids=["rounded", "cut"])
 def test_whole_milliseconds_are_put_on_their_line(rate, lost, written):
-    true = 3.0 + kept(2000, lost) / rate
+    true = 3.0 + remaining_rows(2000, lost) / rate
     line, (note,) = on_line(written(1e3 * true) / 1e3)
     assert "in steps of 1 ms" in note
     assert np.median(np.diff(line)) == pytest.approx(1.0 / rate, rel=2e-5)

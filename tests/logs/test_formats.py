@@ -59,9 +59,9 @@ def test_a_table_that_begins_with_a_word_of_another_kind_is_a_table():
     [("run.mf4", "asammdf", "mdf"), ("bus.mf4", "cantools", "mdf"), ("bus.blf", "can", "can")],
 )
 def test_what_to_install_is_one_line(tmp_path, brake_cal, monkeypatch, name, missing, extra):
-    path, chart = write(tmp_path, name)
+    path, map_file = write(tmp_path, name)
     monkeypatch.setitem(sys.modules, missing, None)
-    ran = brake_cal("check", path, "--map", chart)
+    ran = brake_cal("check", path, "--map", map_file)
     assert (ran.code, len(ran.err.splitlines())) == (3, 1)
     assert f"brake-cal[{extra}]" in ran.err
 

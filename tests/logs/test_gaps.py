@@ -16,17 +16,17 @@ NOISE = np.random.default_rng(5).normal(size=TIME.size)
 TOLERANCE = 1e-9
 
 
-def lost(x, start, length, at=TIME):
-    """``x`` of `TIME` without the samples after ``start`` [s] for ``length``, back on ``at``."""
+def fill_gap(x, start, length, times=TIME):
+    """Samples ``x`` at `TIME` with a gap from ``start`` [s] for ``length``, filled at ``times``."""
     kept = (start + TOLERANCE >= TIME) | (start + length - TOLERANCE <= TIME)
-    return fill("v", TIME[kept], x[kept], at)
+    return fill("v", TIME[kept], x[kept], times)
 
 
 @pytest.mark.parametrize("length", [0.08, 0.1, 0.2])
 def test_a_smooth_channel_is_bridged_and_told(length):
     """A car that slows with 3 m/s^2: a straight line is exact."""
     speed = 30.0 - 3.0 * TIME
-    filled = lost(speed, 5.0, length)
+    filled = fill_gap(speed, 5.0, length)
     np.testing.assert_allclose(filled.values, speed, atol=1e-9)
     (gap,) = filled.bridged
     assert (gap.channel, gap.start, gap.length) == ("v", pytest.approx(5.0), pytest.approx(length))
@@ -34,7 +34,7 @@ def test_a_smooth_channel_is_bridged_and_told(length):
 
 
 def test_a_gap_beyond_the_bound_stays_open_with_its_place():
-    filled = lost(30.0 - 3.0 * TIME, 5.0, BRIDGE + 0.02)
+    filled = fill_gap(30.0 - 3.0 * TIME, 5.0, BRIDGE + 0.02)
     inside = (TIME > 5.0 + TOLERANCE) & (TIME < 5.2 + 0.02 - TOLERANCE)
     np.testing.assert_array_equal(np.isnan(filled.values), inside)
     assert not filled.bridged
@@ -50,7 +50,7 @@ def test_a_gap_beyond_the_bound_stays_open_with_its_place():
     ],
 )
 def test_a_step_within_the_gap_is_not_bridged(x):
-    filled = lost(x + 0.05 * NOISE, 5.0, 0.1)
+    filled = fill_gap(x + 0.05 * NOISE, 5.0, 0.1)
     assert np.isnan(filled.values).any()
     assert len(filled.left_open) == 1
 
@@ -59,7 +59,7 @@ def test_noise_alone_is_no_step():
     """Of 100 noisy channels at a standstill nearly all are bridged: 3 sigma on either side."""
     rng = np.random.default_rng(8)
     count = sum(
-        bool(lost(rng.normal(size=TIME.size), start, 0.1).bridged)
+        bool(fill_gap(rng.normal(size=TIME.size), start, 0.1).bridged)
         for start in rng.choice(TIME[20:-20], 100)
     )
     assert count >= 97
@@ -69,7 +69,7 @@ def test_too_few_samples_beside_a_gap_show_nothing():
     """Two before it; or at times of a damaged file, where the square of a distance is zero."""
     t = np.concatenate([np.arange(8) * 1e-300, 0.125 + 0.005 * np.arange(60)])
     at_one_time = fill("v", t, np.arange(68.0), np.arange(0.0, 0.3, 0.005))
-    for filled in (lost(30.0 - 3.0 * TIME, 0.04, 0.1), at_one_time):
+    for filled in (fill_gap(30.0 - 3.0 * TIME, 0.04, 0.1), at_one_time):
         assert not filled.bridged
         assert filled.left_open
 
@@ -77,7 +77,7 @@ def test_too_few_samples_beside_a_gap_show_nothing():
 def write_with_gap(folder, kind, channel, start, length):
     """The known ramp with a gap of one channel, in one of the formats, and its map."""
 
-    def gone(time):
+    def is_lost(time):
         return (time > start + TOLERANCE) & (time < start + length - TOLERANCE)
 
     path = folder / f"run{kind}"
@@ -86,7 +86,7 @@ def write_with_gap(folder, kind, channel, start, length):
         write_csv(ramp(), table)
         frame = pd.read_csv(table)
         column = next(name for name in frame.columns if name.startswith(f"{channel} "))
-        frame.loc[gone(ramp().time), column] = np.nan
+        frame.loc[is_lost(ramp().time), column] = np.nan
         frame.to_csv(table, index=False) if kind == ".csv" else frame.to_parquet(path)
         return path, None
     from asammdf import MDF, Signal
@@ -94,7 +94,7 @@ def write_with_gap(folder, kind, channel, start, length):
     with MDF(version="4.10") as mdf:
         for ours, theirs in CHANNELS.items():
             t, values = times()[theirs], written()[theirs]
-            kept = ~gone(t) if ours == channel else t >= 0
+            kept = ~is_lost(t) if ours == channel else t >= 0
             mdf.append([Signal(values[kept], t[kept], name=theirs, unit=UNITS[theirs])],
                        acq_name=theirs)  # fmt: skip
         mdf.save(path, overwrite=True)

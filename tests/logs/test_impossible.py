@@ -13,7 +13,7 @@ from tests.support.plant import drive, magic
 from tests.support.reference_car import REAL
 
 OMEGAS = [f"omega_{w}" for w in WHEELS]
-EVERY = ["p_mc", "a_x", "v", *OMEGAS]
+ALL_CHANNELS = ["p_mc", "a_x", "v", *OMEGAS]
 
 
 def spoiled(names, value, first, count, rate=100.0):
@@ -34,7 +34,7 @@ def spoiled(names, value, first, count, rate=100.0):
         (["omega_rl"], -60.6),  # the raw 0 of a fault with the offset of -67.67 km/h of the signal
         (["omega_fr"], 511.97),  # 0x3FFF by 1/32
         (OMEGAS, 0.0),
-        (EVERY, 0.0),
+        (ALL_CHANNELS, 0.0),
         (["v"], 0.0),
         (["v"], 182.0),  # 0xFFFF by 0.01 km/h
         (["p_mc"], 6.5535e7),
@@ -43,27 +43,27 @@ def spoiled(names, value, first, count, rate=100.0):
     ],
 )
 def test_a_few_are_marked_and_bridged(names, value, rate):
-    at, count = round(4.5 * rate), max(round(0.03 * rate), 1)  # at 36 bar, 22 m/s
+    row, count = round(4.5 * rate), max(round(0.03 * rate), 1)  # at 36 bar, 22 m/s
     if names == ["p_mc"] and value == 0.0 and rate == 40.0:
         pytest.skip("a pedal that is let go may do that in 25 ms")
-    channels, true = spoiled(names, value, at, count, rate)
-    found, marked, _ = without_impossible(channels, "log")
-    assert {one.channel: one.count for one in marked} == dict.fromkeys(names, count)
-    for name in EVERY:
-        rest = np.delete(found[name] - true[name], np.s_[at : at + count])
-        assert not rest.any()
-        spread = np.ptp(true[name][at - count - 5 : at + count + 5])
-        off = found[name][at : at + count] - true[name][at : at + count]
-        assert np.max(np.abs(off)) <= spread
+    channels, true = spoiled(names, value, row, count, rate)
+    cleaned, marked, _ = without_impossible(channels, "log")
+    assert {m.channel: m.count for m in marked} == dict.fromkeys(names, count)
+    for name in ALL_CHANNELS:
+        elsewhere = np.delete(cleaned[name] - true[name], np.s_[row : row + count])
+        assert not elsewhere.any()
+        spread = np.ptp(true[name][row - count - 5 : row + count + 5])
+        error = cleaned[name][row : row + count] - true[name][row : row + count]
+        assert np.max(np.abs(error)) <= spread
 
 
 @pytest.mark.parametrize(("first", "count"), [(0, 1), (0, 26), (499, 1), (480, 20)])
 def test_at_the_ends_they_are_left_open(first, count):
-    channels, _ = spoiled(EVERY, 0.0, first, count)
-    found, _, _ = without_impossible(channels, "log")
-    for name in EVERY:
+    channels, _ = spoiled(ALL_CHANNELS, 0.0, first, count)
+    cleaned, _, _ = without_impossible(channels, "log")
+    for name in ALL_CHANNELS:
         np.testing.assert_array_equal(
-            np.flatnonzero(np.isnan(found[name])), np.arange(first, first + count)
+            np.flatnonzero(np.isnan(cleaned[name])), np.arange(first, first + count)
         )
 
 
@@ -78,8 +78,8 @@ def test_many_are_refused(rows):
 
 def test_a_speed_without_satellites_at_first_is_left_open():
     channels, _ = spoiled(["v"], 0.0, 0, 200)
-    found, _, _ = without_impossible(channels, "log")
-    assert np.isnan(found["v"]).sum() == 200
+    cleaned, _, _ = without_impossible(channels, "log")
+    assert np.isnan(cleaned["v"]).sum() == 200
 
 
 @pytest.mark.parametrize("rate", [40.0, 1000.0])

@@ -19,10 +19,10 @@ REQUIRED = ("p_mc", "a_x", "omega_fl", "omega_fr", "omega_rl", "omega_rr")
 UNITS = dict(zip(REQUIRED, ["bar", "m/s^2", *["rad/s"] * 4], strict=True))
 
 
-def signal(name, unit=None, samples=None, **more):
+def signal(name, unit=None, samples=None, **options):
     samples = np.linspace(1.0, 2.0, TIME.size) if samples is None else samples
     unit = UNITS[name] if unit is None else unit
-    return asammdf.Signal(samples, TIME, name=name, unit=unit, **more)
+    return asammdf.Signal(samples, TIME, name=name, unit=unit, **options)
 
 
 def write(path: Path, *groups, version="4.10", names=()):
@@ -32,7 +32,7 @@ def write(path: Path, *groups, version="4.10", names=()):
         return mdf.save(path, overwrite=True)
 
 
-def others(*names):
+def required_but(*names):
     """The required channels but for ``names``."""
     return [signal(name) for name in REQUIRED if name not in names]
 
@@ -42,7 +42,8 @@ def test_canonical_names_need_no_map_and_units_convert(tmp_path, version):
     path = tmp_path / ("run.mf4" if version > "4" else "run.mdf")
     units = {"p_mc": ("psi", 6894.757293168361), "a_x": ("g", G), "v": ("mph", 0.44704),
              "omega_fl": ("U/min", np.pi / 30), "omega_fr": ("°/s", np.pi / 180)}  # fmt: skip
-    write(path, others(*units) + [signal(n, u) for n, (u, _) in units.items()], version=version)
+    converted = [signal(name, unit) for name, (unit, _) in units.items()]
+    write(path, [*required_but(*units), *converted], version=version)
     log = read_log(path)
     for name, (_, si) in units.items():
         np.testing.assert_allclose(log[name], si * np.linspace(1, 2, TIME.size), rtol=1e-12)
@@ -56,7 +57,7 @@ BAD = CODES % 10 == 5
 
 
 @pytest.mark.parametrize(
-    ("samples", "how", "bar", "invalid"),
+    ("samples", "options", "bar", "invalid"),
     [
         (CODES, {"conversion": {"a": 0.1, "b": -2.0}}, 0.1 * CODES - 2.0, 0),
         (CODES, {"conversion": from_dict(SNA)}, 0.1 * CODES, 1),
@@ -64,9 +65,9 @@ BAD = CODES % 10 == 5
     ],
     ids=["conversion", "a value with a name among numbers", "invalid"],
 )
-def test_samples_are_converted_and_invalid_ones_bridged(tmp_path, samples, how, bar, invalid):
-    p = signal("p_mc", samples=samples, **how)
-    log = read_log(write(tmp_path / "run.mf4", [*others("p_mc"), p]))
+def test_samples_are_converted_and_invalid_ones_bridged(tmp_path, samples, options, bar, invalid):
+    p = signal("p_mc", samples=samples, **options)
+    log = read_log(write(tmp_path / "run.mf4", [*required_but("p_mc"), p]))
     np.testing.assert_allclose(log["p_mc"], bar * 1e5, atol=1e-6)
     assert any(f"p_mc: {invalid} samples" in note for note in log.notes) is (invalid > 0)
 
@@ -82,25 +83,25 @@ def test_what_has_only_names_is_a_state(tmp_path):
 
 
 def test_a_name_in_two_groups_must_be_chosen(tmp_path):
-    groups = (others(), [signal("p_mc", samples=np.full(TIME.size, 9.0))])
+    groups = (required_but(), [signal("p_mc", samples=np.full(TIME.size, 9.0))])
     path = write(tmp_path / "run.mf4", *groups, names=("ESP", "bench"))
     with pytest.raises(LogError, match=r"'ESP\.p_mc', 'bench\.p_mc'"):
         read_log(path)
-    chart = tmp_path / "map.toml"
-    chart.write_text('schema = 1\n[channels.p_mc]\nsource = "bench.p_mc"\n')
-    assert read_log(path, chart)["p_mc"][0] == 9e5
+    map_file = tmp_path / "map.toml"
+    map_file.write_text('schema = 1\n[channels.p_mc]\nsource = "bench.p_mc"\n')
+    assert read_log(path, map_file)["p_mc"][0] == 9e5
 
 
 @pytest.mark.parametrize(
-    "more",
+    "options",
     [
         {"samples": np.asarray([b"fast"] * TIME.size), "encoding": "utf-8"},
         {"samples": np.zeros((TIME.size, 8), np.uint8)},
     ],
     ids=["text", "arrays"],
 )
-def test_what_is_no_number_is_no_channel_and_costs_no_other(tmp_path, more):
-    path = write(tmp_path / "run.mf4", [*others(), signal("raw", "m/s", **more)])
+def test_what_is_no_number_is_no_channel_and_costs_no_other(tmp_path, options):
+    path = write(tmp_path / "run.mf4", [*required_but(), signal("raw", "m/s", **options)])
     assert read_log(path)["p_mc"].size == TIME.size
     with pytest.raises(LogError, match="raw"):
         read_log(path, ChannelMap("map.toml", {"v": Mapping("raw", "m/s")}))
@@ -108,7 +109,7 @@ def test_what_is_no_number_is_no_channel_and_costs_no_other(tmp_path, more):
 
 def test_frames_of_a_bus_are_decoded_as_asammdf_does(tmp_path):
     """Its own extraction, with canmatrix instead of cantools."""
-    path, chart = write_bus(tmp_path / "bus.mf4"), write_dbc(tmp_path)
+    path, map_file = write_bus(tmp_path / "bus.mf4"), write_dbc(tmp_path)
     opened = open_mdf(path, {"": (tmp_path / "chassis.dbc",)})
     names = ["WhlFL", "WhlRR", "PMc", "Ax", "VRef"]
     index = [[c.name for c in opened.columns].index(name) for name in names]
@@ -120,7 +121,7 @@ def test_frames_of_a_bus_are_decoded_as_asammdf_does(tmp_path):
             theirs = out.get(name)
             np.testing.assert_allclose(trace.values, theirs.samples, rtol=1e-12, atol=1e-9)
             np.testing.assert_array_equal(trace.time, theirs.timestamps)
-    assert read_log(path, chart).time.size > 1700
+    assert read_log(path, map_file).time.size > 1700
 
 
 def test_frames_without_a_dbc_are_left_and_that_is_said(tmp_path):
@@ -128,7 +129,7 @@ def test_frames_without_a_dbc_are_left_and_that_is_said(tmp_path):
     with pytest.raises(LogError, match="DBC"):
         read_log(path, write_map(tmp_path), require=())
     with asammdf.MDF(path) as mdf:
-        mdf.append(others(), acq_name="ESP")
+        mdf.append(required_but(), acq_name="ESP")
         mdf.save(tmp_path / "both.mf4")
     log = read_log(tmp_path / "both.mf4")
     assert any("DBC" in note for note in log.notes)

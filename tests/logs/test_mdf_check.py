@@ -92,8 +92,8 @@ def with_bytes(place, form, *values, data=DATA):
 def test_records_that_are_not_whole_are_left_out_and_told(tmp_path, data, records, left_out):
     found, (trace, _) = opened(tmp_path, data)
     assert trace.time.size == records
-    told = [note for note in found.notes if "left out" in note]
-    assert [f" {left_out} bytes" in note for note in told] == [True] * (left_out > 0)
+    left_out_notes = [note for note in found.notes if "left out" in note]
+    assert [f" {left_out} bytes" in note for note in left_out_notes] == [True] * (left_out > 0)
 
 
 def channel_at(name):

@@ -41,12 +41,12 @@ def test_a_log_is_the_same_to_the_decimals_of_its_format(tmp_path, write):
     assert list(back.channels) == list(LOG.channels)
     for name, values in {**LOG.channels, **LOG.truth}.items():
         step = 0.1 if CHANNELS.get(name) and CHANNELS[name].unit == "bar" else 1e-6
-        least = 0.5001 * step if path.suffix == ".csv" else 1e-9
+        tolerance = 0.5001 * step if path.suffix == ".csv" else 1e-9
         found = {**back.channels, **back.truth}[name]
-        np.testing.assert_allclose(found, values, rtol=1e-15, atol=least)
+        np.testing.assert_allclose(found, values, rtol=1e-15, atol=tolerance)
 
 
-UNITS = (None, "bar", "kPa", "m/s^2", "°", "N*m", "made up", "1")
+UNITS = (None, "bar", "kPa", "m/s^2", "°", "N*m", "columns up", "1")
 NAMES = st.text("abcXYZ äµ.-_/()[]#", min_size=1, max_size=12).map(str.strip).filter(bool)
 NUMBERS = st.one_of(
     st.floats(allow_nan=False, allow_infinity=False, width=64), st.just(math.nan), st.just(-0.0)
@@ -59,12 +59,12 @@ def logs(draw):
     names = draw(st.lists(NAMES, min_size=1, max_size=4, unique=True))
     steps = draw(st.lists(st.floats(1e-3, 1.0), min_size=rows, max_size=rows))
     time = np.cumsum(steps)
-    made = [WholeColumn("time", "s", time), WholeColumn("v", "m/s", time)]
+    columns = [WholeColumn("time", "s", time), WholeColumn("v", "m/s", time)]
     for name in names:
         values = draw(st.lists(NUMBERS, min_size=rows, max_size=rows))
         unit = draw(st.sampled_from(UNITS))
-        made.append(WholeColumn(f"x{name}", unit, np.array(values)))
-    return WholeLog("run", "here", "", tuple(made))
+        columns.append(WholeColumn(f"x{name}", unit, np.array(values)))
+    return WholeLog("run", "here", "", tuple(columns))
 
 
 def write_log(log, path):

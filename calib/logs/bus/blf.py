@@ -4,8 +4,8 @@ header     LOGG, its length, size of the file, unpacked size, number of objects,
 object     LOBJ, its size, its type, content
 container  an object of type 10: method of compression, unpacked size, other objects
 
-So the sizes are compared with the content before. The number of objects is not compared: programs
-that write BLF differ in what they count.
+So the sizes are compared with the content before. The number of objects is not: programs that write
+BLF count differently.
 """
 
 import struct
@@ -42,10 +42,7 @@ def open_blf(path: Path, dbc: Databases) -> Recording:
 
 
 def _check_sizes(path: Path) -> int:
-    """Compare the sizes in header and containers with the content; return the unpacked size.
-
-    Raises LogError for a file that is not BLF, not finished, damaged or cut off.
-    """
+    """Return the unpacked size. Raises LogError if sizes in the file do not fit its content."""
     with path.open("rb") as file:
         head = file.read(_HEADER.size)
         if len(head) < _HEADER.size or head[:4] != b"LOGG":
@@ -72,9 +69,9 @@ def _check_sizes(path: Path) -> int:
 
 
 def _object_sizes(file: BinaryIO, end: int, path: Path) -> Iterator[int]:
-    """Yield the unpacked size of each object, with the bytes that align the next object.
+    """Yield the unpacked size of each object from the position of ``file`` to byte ``end``.
 
-    Reading begins at the position of ``file``; ``end`` is the size of the file.
+    The size includes the bytes that align the next object.
     """
     while (head := file.read(_OBJECT.size)).strip(b"\0"):
         is_object = len(head) == _OBJECT.size and head[:4] == b"LOBJ"

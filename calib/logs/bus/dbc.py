@@ -33,13 +33,10 @@ _Described: TypeAlias = "Message | Flawed"
 
 _FORMATS = ("dbc", "arxml", "kcd", "sym")  # another ending is read as a DBC
 
-_LONGEST_TEXT = 1_000_000
-"""Most characters of a text in quotes; cantools needs 300 bytes of memory for each of them."""
+_LONGEST_TEXT = 1_000_000  # characters in quotes; cantools needs 300 bytes of memory for each
 
-_DECODING = ("VAL_", "SIG_VALTYPE_", "SG_MUL_VAL_")
-"""Statements on a signal that change what is decoded."""
-_LONG_NAMES = ("SystemSignalLongSymbol", "SystemMessageLongSymbol")
-"""Attributes that hold the names of more than 32 characters."""
+_DECODING = ("VAL_", "SIG_VALTYPE_", "SG_MUL_VAL_")  # statements that change what is decoded
+_LONG_NAMES = ("SystemSignalLongSymbol", "SystemMessageLongSymbol")  # of over 32 characters
 _MOST_MESSAGES = 10_000  # cantools needs about a millisecond for each
 _NO_MESSAGE = "VECTOR__INDEPENDENT_SIG_MSG"  # holds the signals that belong to no message
 _EXTENDED = 1 << 31  # marks an identifier of 29 bits
@@ -96,10 +93,10 @@ class Dbc(NamedTuple):
 
 
 def read_databases(databases: Databases, extra: str, where: str) -> Dbc:
-    """Read the databases of a channel map.
+    """Read the databases of a channel map. ``extra`` is the extra that installs cantools.
 
-    ``extra`` is the extra of the package that installs cantools. Raises ChannelMapError for a file
-    that is not valid, and for two messages with the same identifier on a bus.
+    Raises ChannelMapError for a file that is not valid, and for two messages with the same
+    identifier on a bus.
     """
     cantools: Any = need("cantools", extra, where, LogError)
     logging.getLogger("cantools").setLevel(logging.CRITICAL + 1)  # what it warns of is refused here
@@ -175,10 +172,7 @@ class _MessageText:
 
 
 def _by_message(cantools: Any, text: str, where: str) -> "tuple[list[_Described], list[str]]":
-    """Read the messages of a DBC one by one; return them and a note on those that are flawed.
-
-    Raises ValueError for too many messages.
-    """
+    """Read the messages of a DBC one by one; return them and a note on those that are flawed."""
     common, parts = _parts(text)
     if len(parts) > _MOST_MESSAGES:
         raise ValueError(f"it has {len(parts)} messages, at most {_MOST_MESSAGES} are read")
@@ -188,10 +182,8 @@ def _by_message(cantools: Any, text: str, where: str) -> "tuple[list[_Described]
         key = (message.frame_id, message.is_extended_frame)
         if (first := by_key.get(key)) is not None:
             name, why = f"{first.name} and {message.name}", f"both have the identifier {key[0]:#x}"
-            signals = tuple(
-                FlawedSignal(signal.name, signal.unit or "")
-                for signal in (*first.signals, *message.signals)
-            )
+            all_signals = (*first.signals, *message.signals)
+            signals = tuple(FlawedSignal(signal.name, signal.unit or "") for signal in all_signals)
             message = Flawed(name, *key, why, signals, where)
         by_key[key] = message
     messages = list(by_key.values())
@@ -201,10 +193,7 @@ def _by_message(cantools: Any, text: str, where: str) -> "tuple[list[_Described]
 
 
 def _read(cantools: Any, part: _MessageText, common: str, where: str) -> "_Described":
-    """Read one message by cantools; return a `Flawed` one if that fails.
-
-    ``common`` are the statements that hold for all messages.
-    """
+    """Read one message by cantools; return a `Flawed` one if that fails."""
     try:
         messages = cantools.database.load_string(part.text + common, "dbc", strict=True).messages
         if len(messages) == 1:
@@ -221,7 +210,7 @@ def _read(cantools: Any, part: _MessageText, common: str, where: str) -> "_Descr
 
 
 def _parts(text: str) -> tuple[str, list[_MessageText]]:
-    """Split a DBC into the statements that hold for all messages, and the text of each message."""
+    """Split a DBC into the ``common`` statements of all messages, and the text of each message."""
     parts: list[_MessageText] = []
     later: dict[int, str] = defaultdict(str)
     common, previous = "", ""

@@ -60,8 +60,8 @@ class Frames(NamedTuple):
 class Capture:
     """The frames of a file: ``times`` [s] of all, and the number of error frames.
 
-    ``frames`` holds, by bus and identifier, the row and the bytes of each frame; None if the DBC
-    does not describe the frames.
+    ``frames`` holds, by bus and identifier, the rows in ``times`` and the bytes of the frames; None
+    if the DBC does not describe them.
     """
 
     times: "array[float]" = field(default_factory=lambda: array("d"))
@@ -121,10 +121,7 @@ def require_dbc(databases: Databases, extra: str, where: str) -> Dbc:
 
 
 def recording(capture: Capture, dbc: Dbc, notes: tuple[str, ...], where: str) -> Recording:
-    """Make a recording of captured frames; its times are seconds since the first frame.
-
-    ``notes`` are put after those of the DBC.
-    """
+    """Make a recording of captured frames; its times are seconds since the first frame."""
     time = np.asarray(capture.times)
     check_running(time, where)
     begin = float(time.min())
@@ -164,7 +161,7 @@ def require_described(frames: list[Frames], buses: Sequence[str], dbc: Dbc, wher
 def described_signals(frames: list[Frames], dbc: Dbc) -> tuple[list[Column], list["_Source"]]:
     """Return column and source of every signal that is a number.
 
-    The full name of a column begins with the bus if messages of that name come on several buses.
+    The full name of a column begins with the bus if several buses have messages of that name.
     """
     pairs = [(item, dbc.find(item.bus, item.key)) for item in frames]
     described = [(item, message) for item, message in pairs if message]
@@ -186,8 +183,8 @@ def decode(
 ) -> ChannelTrace:
     """Decode the samples of one signal. Raises LogError if its message is flawed in the DBC.
 
-    A sample is NaN if the name of its value says that it is invalid. The signal is a state if all
-    values that occur have names.
+    A sample whose value has a name such as "invalid" is NaN. The signal is a state if all values
+    that occur have names.
     """
     if isinstance(message, Flawed):
         raise message.error(signal.name)
@@ -234,10 +231,7 @@ def _raw(data: NDArray[np.uint8], signal: "Signal") -> NDArray[np.uint64]:
 
 
 def _first_bit(signal: "Signal") -> int:
-    """Place of the first bit of a signal in the order in which `_raw` unpacks the bits.
-
-    A byte is unpacked from its lowest bit in little endian, from its highest in big endian.
-    """
+    """Place of the first bit in the order of `_raw`: in big endian from the top of each byte."""
     byte, bit = divmod(signal.start, 8)
     return 8 * byte + (bit if signal.byte_order == "little_endian" else 7 - bit)
 

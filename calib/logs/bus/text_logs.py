@@ -29,10 +29,9 @@ if TYPE_CHECKING:
 
 @dataclass
 class _Text:
-    """What was read of a text log so far.
+    """What was read of a text log: ``frames`` lines that look like frames, ``last`` line not blank.
 
-    ``frames`` is the number of lines that look like frames, ``last`` the last line that is not
-    blank. ``block`` is the last mark of a block in an ASC log, "begin" or "end", or "".
+    ``block`` is the last mark of a block in an ASC log, "begin" or "end", or "".
     """
 
     path: Path
@@ -42,7 +41,6 @@ class _Text:
 
 
 def _counted(lines: Iterable[str], frame: re.Pattern[str], text: _Text) -> Iterator[str]:
-    """Yield the lines, and count in ``text`` those that look like frames."""
     for line in lines:
         text.frames += bool(frame.match(line))
         text.last = line if line.strip() else text.last
@@ -56,10 +54,10 @@ _BLOCK = re.compile(r"(begin|end)\s+triggerblock", re.IGNORECASE)
 
 
 def _asc(lines: Iterable[str], text: _Text) -> Iterator[str]:
-    """Yield the lines of an ASC log as python-can needs them.
+    """Yield the lines of an ASC log. Raises LogError for relative timestamps.
 
     python-can skips the first line after the header unless it is about internal events, so such a
-    line is inserted where it is missing. Raises LogError for relative timestamps.
+    line is inserted where it is missing.
     """
     in_header = True
     for line in lines:
@@ -108,7 +106,7 @@ def open_text_log(path: Path, dbc: Databases) -> Recording:
     """Open a log whose ending is one of `TEXT_LOGS`.
 
     Raises LogError for a line or a frame that is cut off or cannot be read, for an ASC block
-    without its end and for relative timestamps. Also if there is no DBC, or it describes no frame.
+    without its end, for relative timestamps, and if no DBC describes a frame.
     """
     can = need("can", "can", str(path), LogError)
     logging.getLogger("can.io.trc").setLevel(logging.CRITICAL + 1)  # what it skips is refused here
@@ -171,11 +169,9 @@ _LAST_BYTE = re.compile(r".*\s([0-9A-F]{2}|RTR)", re.IGNORECASE | re.DOTALL)
 
 
 def _require_line_end(text: _Text, ending: str) -> None:
-    """Raise LogError if the last line is cut off.
-
-    A TRC log of PEAK-Converter has no end of line after its last byte, which has two digits.
-    """
+    """Raise LogError if the last line is cut off."""
     is_frame = bool(_FORMATS[ending][1].match(text.last))
+    # a TRC log of PEAK-Converter has no end of line after its last byte, which has two digits
     needs_no_end = ending == ".trc" and (not is_frame or _LAST_BYTE.fullmatch(text.last))
     if text.last and not (text.last.endswith("\n") or needs_no_end):
         cut = f"cut off within the last line, {text.last.strip()[:60]!r}"

@@ -7,12 +7,10 @@ name|unit|...  always; lowest and highest value and rate may follow
 name_unit      if the name is that of a channel and the ending a unit of it, or if the ending can
                only be a unit of a channel: ``time_s`` but not ``valve_s``
 
-Cells that are read as times:
-14:03:07,120       2026-03-14T14:03:07.120+01:00       14-Mar-2026 2:03:07.120 PM       03:07.120
-0.12 sec
+Cells that are read as times, without the date:
+14:03:07,120    2026-03-14T14:03:07.120+01:00    14-Mar-2026 2:03:07.120 PM    03:07.120    0.12 sec
 
-Of a date only the time of day is used. A clock that goes back has passed midnight, since a run is
-shorter than half a day.
+A clock that goes back has passed midnight, since a run is shorter than half a day.
 """
 
 import re
@@ -48,7 +46,6 @@ def column_from_cell(cell: str) -> Column:
 
 
 def _in_brackets(cell: str, opening: str, closing: str) -> tuple[str, str] | None:
-    """Name, and unit in brackets at the end of a cell, or None."""
     # a regular expression would take cubic time for a cell of many blanks
     name, bracket, unit = cell.rpartition(opening)
     if not bracket or not unit.endswith(closing) or closing in unit[:-1]:
@@ -57,7 +54,6 @@ def _in_brackets(cell: str, opening: str, closing: str) -> tuple[str, str] | Non
 
 
 def _with_ending(cell: str) -> tuple[str, str] | None:
-    """Name, and unit after an underscore, or None."""
     if cell in CHANNELS:
         return None
     words = cell.split("_")
@@ -69,7 +65,7 @@ def _with_ending(cell: str) -> tuple[str, str] | None:
         elif name and unit != "min" and (len(unit) > 2 or unit == "Nm"):
             quantities = [*CHANNELS.values()]
         else:
-            quantities = []
+            continue
         if any(is_unit(unit, quantity.si) for quantity in quantities):
             return name, spelling(unit)
     return None
@@ -85,7 +81,6 @@ _NUMERIC = re.compile(r"[-+]?[\d.,]+([eE][-+]?\d+)?")
 
 
 def _without_brackets(cell: str) -> str:
-    """Text of a cell without brackets: ``[bar]`` and ``(bar)`` are ``bar``."""
     text = cell.strip()
     if len(text) > 1 and text[0] + text[-1] in ("[]", "()", "{}", "<>"):
         text = text[1:-1].strip()
@@ -93,7 +88,7 @@ def _without_brackets(cell: str) -> str:
 
 
 def with_unit_row(columns: Sequence[Column], cells: Sequence[str], where: str) -> list[Column]:
-    """Give the columns the units of a second header row. Raises LogError for a second unit."""
+    """Give the columns the units of a row below the names. Raises LogError for a second unit."""
     result = []
     for column, cell in zip(columns, cells, strict=True):
         unit = _without_brackets(cell)
@@ -119,8 +114,7 @@ _TIME = re.compile(
 )
 
 
-_COUNTED = re.compile(r"([-+]?\d++(?:[.,]\d++)?)\s*([a-zµμ]++)", re.IGNORECASE)
-"""A number with a unit after it."""
+_WITH_UNIT = re.compile(r"([-+]?\d++(?:[.,]\d++)?)\s*([a-zµμ]++)", re.IGNORECASE)
 
 
 def is_clock(cell: str) -> bool:
@@ -136,9 +130,9 @@ def is_clock(cell: str) -> bool:
 
 def _seconds(cell: str) -> tuple[float, float] | None:
     """Time of a cell [s], and period of its clock [s]; None if the cell is no time."""
-    if counted := _COUNTED.fullmatch(cell):
-        number = float(counted[1].replace(",", "."))
-        return (to_si(number, counted[2], "s"), HOUR) if is_unit(counted[2], "s") else None
+    if parts := _WITH_UNIT.fullmatch(cell):
+        number, unit = float(parts[1].replace(",", ".")), parts[2]
+        return (to_si(number, unit, "s"), HOUR) if is_unit(unit, "s") else None
     match = _TIME.fullmatch(cell)
     if match is None:
         return None

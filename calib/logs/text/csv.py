@@ -61,7 +61,6 @@ def open_csv(data: bytes, where: str, text_format: TextFormat = DETECTED) -> Col
 
 
 def _columns(names: list[str], units: list[str], remarks: list[str], where: str) -> list[Column]:
-    """The columns of a header: a row of names, and perhaps one of units and one of remarks."""
     columns = [column_from_cell(cell) for cell in names]
     if units:
         columns = with_unit_row(columns, units, where)
@@ -75,10 +74,7 @@ def _columns(names: list[str], units: list[str], remarks: list[str], where: str)
 
 @dataclass(frozen=True)
 class TextRows:
-    """The rows of a table: ``data`` from byte ``start`` on.
-
-    ``clocks`` are the indices of the columns that hold times instead of numbers.
-    """
+    """The rows of a table: ``data`` from byte ``start`` on; ``clocks`` are the columns of times."""
 
     data: bytes
     start: int
@@ -123,8 +119,8 @@ class TextRows:
     def _is_shorter(self, cell: str, earlier: list[str]) -> bool:
         """Whether the last cell of a file looks cut off beside the ``earlier`` cells of its column.
 
-        It has fewer decimals than they have; or, if their numbers of decimals differ, fewer
-        characters than each of them. A cell that was cut may look complete.
+        If these have one number of decimals, decimals are compared, else characters. A cell that
+        was cut may look complete.
         """
         if not earlier:
             return False
@@ -162,7 +158,7 @@ class TextRows:
         ]
 
     def _bad_row(self, cause: str) -> LogError:
-        """Return the error for a row that pyarrow cannot read, from the text of its error."""
+        """Return the error for a row that pyarrow cannot read, from the text of pyarrow's error."""
         if cell := re.search(
             r"column #(\d+): Row #(\d+): .*?invalid value '(.*)'", cause, re.DOTALL
         ):

@@ -9,9 +9,9 @@
 
 0.000,0.1,108.2                 the first of several rows with numbers
 
-Each separator is tried on the header and on rows from the beginning, the middle and the end. If
-exactly one fits, it is used. If several or none fit, the error lists them and shows the entry of a
-channel map that decides: ``separator`` and ``decimal`` of [text].
+Each separator is tried on the header and on rows from the beginning, the middle and the end. If not
+exactly one fits, the error lists them and shows the entries of a channel map that decide:
+``separator`` and ``decimal`` of [text].
 """
 
 import csv
@@ -34,11 +34,10 @@ _POINT, _COMMA = (
     re.compile(rf"[-+]?(\d++({mark}\d*+)?|{mark}\d++)(e[-+]?\d++)?|[-+]?inf(inity)?", re.IGNORECASE)
     for mark in (r"\.", ",")
 )
-"""Numbers with a point and with a comma. The quantifiers are possessive (``++``), so that the time
-for a cell of many digits that is no number grows with its length, not with the square of it."""
+"""Numbers with a point and with a comma. With the possessive quantifiers (``++``), the time for a
+cell of many digits that is no number grows only with its length."""
 _NUMBER = {".": _POINT, ",": _COMMA}
-_THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}([.,]\d{3})+")
-"""Numbers such as ``1,234``, in which the mark may also separate thousands."""
+_THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}([.,]\d{3})+")  # as 1,234: the mark may be of thousands
 
 
 @dataclass(frozen=True)
@@ -123,10 +122,10 @@ _FIRST_ROWS = 3  # rows with numbers, one below the other, that begin the sample
 
 @dataclass(frozen=True)
 class Layout:
-    """Where the parts of a table stand.
+    """Places of the parts of a table.
 
     ``names``, ``units`` and ``remarks`` are lines of the header, empty if there is none. ``start``
-    is the byte of the first sample, ``numbers`` the indices of the columns of numbers.
+    is the byte of the first sample, ``numbers`` are the indices of the columns of numbers.
     """
 
     separator: str
@@ -138,7 +137,7 @@ class Layout:
 
 
 def layout_of(data: bytes, begin: int, text_format: TextFormat, where: str) -> Layout:
-    """Find the layout of the table that begins at byte ``begin`` or below it.
+    """Find the layout of the table that begins at byte ``begin`` or after it.
 
     Of several separators that fit, the one with the most columns of numbers is taken. Raises
     LogError if no separator fits, or if two give a table that begins in the same row.
@@ -161,25 +160,21 @@ def layout_of(data: bytes, begin: int, text_format: TextFormat, where: str) -> L
             do=f'give it in a channel map (--map): [text] with separator = "{fitting[0]}"',
         )
     below_names = [line.decode("latin-1") for line in lines if line.strip()][1:]
-    has_samples = len(below_names) > 1 or (
-        below_names
-        and not any(is_unit_row(cells_of(below_names[0], s)) for s in text_format.separators)
-    )
-    if not has_samples:
+    splits = [cells_of(line, s) for line in below_names[:1] for s in text_format.separators]
+    if not below_names or (len(below_names) == 1 and any(map(is_unit_row, splits))):
         raise LogError("a header and no samples", where=where, expected="at least 50 rows")
-    expected = "rows of as many numbers, separated by comma, semicolon, tab or bar"
     raise LogError(
         "no header with rows of numbers below it",
         where=where,
-        expected=f"a header, and {expected}",
+        expected="a header, and rows of as many numbers, separated by comma, semicolon, tab or bar",
         do="look at the first lines; decimal commas need another separator than the comma",
     )
 
 
 def _lines(data: bytes, start: int) -> tuple[list[bytes], list[int]]:
-    """The first lines from byte ``start``, without blank ones at the top, and where each begins.
+    """Return the first k lines from byte ``start``, without blank ones at the top, and k + 1 bytes.
 
-    The last of the k + 1 bytes is that after the last of the k lines.
+    These are the first byte of each line and the byte after the last line.
     """
     lines, starts = list[bytes](), [start]
     stream = io.BytesIO(data)
@@ -203,9 +198,9 @@ def _lines(data: bytes, start: int) -> tuple[list[bytes], list[int]]:
 def _layout(
     lines: list[bytes], starts: list[int], sample: list[str], separator: str
 ) -> Layout | None:
-    """The layout with this separator, or None if it does not fit.
+    """Return the layout with this separator, or None if it does not fit.
 
-    It fits if the sampled rows have two columns of numbers, and a header stands above them.
+    It fits if the rows of the sample have two columns of numbers, with a header above them.
     """
     rows = [row for line in sample if (row := cells_of(line, separator))]
     ((width, _),) = Counter(map(len, rows)).most_common(1) or [(0, 0)]

@@ -43,8 +43,8 @@ _HEAD = 4096  # bytes at the begin that must be text; a header is shorter
 def to_utf8(data: bytes, where: str, encoding: str | None = None) -> bytes:
     """Convert text to UTF-8 without a byte order mark. Raises LogError for what is no text.
 
-    Without an ``encoding`` or a mark the bytes stay as they are: they are UTF-8 or an encoding of 8
-    bits, in which numbers are the same; `text_of` reads the header.
+    Without an ``encoding`` or a mark the bytes stay as they are: UTF-8 or an encoding of 8 bits, in
+    which numbers are the same; `text_of` reads the header.
     """
     for mark, name in _MARKS.items():
         if data.startswith(mark):

@@ -6,8 +6,8 @@
 [column names]     one word for each column, in the order of [header]
 [data]             samples, separated by blanks; time is HHMMSS.ss
 
-Positions and the number of satellites are not converted, because they are not used. The satellite
-speed over ground is the reference speed ``v``, unless the file has a channel of that name.
+The speed ``velocity`` over ground is the reference speed ``v``, unless the file has a channel of
+that name. Positions and the number of satellites are not converted.
 """
 
 import re
@@ -24,13 +24,12 @@ from calib.logs.text.csv import TextRows
 from calib.logs.text.dialect import TextFormat
 from calib.logs.text.encoding import text_of, to_utf8
 
-_STANDARD = (
+_STANDARD = (  # names that have no line in [channel units]
     *("satellites", "time", "latitude", "longitude", "velocity", "heading", "height"),
     *("vertical velocity", "event", "trigger event time", "event 1 time"),
     *("longitudinal acceleration", "lateral acceleration", "long accel", "lat accel"),
     *("glonass satellites", "gps satellites", "solution type", "distance", "sampleperiod"),
 )
-"""Standard names: they have no line in [channel units]."""
 
 _DATA = re.compile(rb"^\[\s*data\s*\][^\r\n]*\r?$", re.MULTILINE | re.IGNORECASE)
 
@@ -58,12 +57,12 @@ def open_vbo(data: bytes, where: str, text_format: TextFormat | None = None) -> 
             for i, x in zip(indices, rows.read(indices), strict=True)
         ]
 
-    notes = filter(None, (*text_notes, *unit_notes, end_note))
-    return ColumnSource(columns, read, tuple(notes))
+    notes = tuple(filter(None, (*text_notes, *unit_notes, end_note)))
+    return ColumnSource(columns, read, notes)
 
 
 def _sections(data: bytes, where: str) -> tuple[dict[str, list[str]], bytes, list[str]]:
-    """Lines of each section by its name, the bytes of [data], and a note on the encoding."""
+    """Return the lines of each section by name, the bytes of [data], a note on the encoding."""
     begin = _DATA.search(data)
     if begin is None:
         raise LogError(
@@ -85,7 +84,6 @@ def _sections(data: bytes, where: str) -> tuple[dict[str, list[str]], bytes, lis
 
 
 def _columns(sections: dict[str, list[str]], where: str) -> tuple[tuple[Column, ...], list[str]]:
-    """The columns of [data], and a note on [channel units]."""
     names = [line for line in sections["header"] if line]
     short_names = " ".join(sections["column names"]).split()
     if len(names) != len(short_names):
@@ -111,11 +109,11 @@ def _columns(sections: dict[str, list[str]], where: str) -> tuple[tuple[Column, 
 
 
 def _units(lines: list[str], names: Sequence[str]) -> tuple[dict[int, str], list[str]]:
-    """Units by index of the name, from the lines of [channel units], and a note.
+    """Return the units by index of the name, from the lines of [channel units], and a note.
 
-    The lines may be those of all names that are not standard, of those without a unit in the name,
-    or of the last names. The first of the three that contradicts no unit in a name is taken. The
-    note says so if the lines are not those of all, or if none of the three fits.
+    The lines may be those of all names that are not standard, of those of them that have no unit in
+    the name, or of the last of them. The first choice that contradicts no unit in a name is taken;
+    the note names the last choice, or says that none fits.
     """
     channels = [
         i
@@ -147,7 +145,6 @@ def _units(lines: list[str], names: Sequence[str]) -> tuple[dict[int, str], list
 
 
 def _unit_in_name(name: str) -> str | None:
-    """The last word of a name if it is a unit."""
     stem, _, last = name.rpartition(" ")
     return last if stem and is_unit(last) else None
 

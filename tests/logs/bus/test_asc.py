@@ -12,9 +12,9 @@ from tests.support.refusals import refusal
 
 
 @pytest.fixture(scope="module")
-def folder(bus):
-    write_bus(bus / "whole.asc")
-    return bus
+def folder(bus_folder):
+    write_bus(bus_folder / "whole.asc")
+    return bus_folder
 
 
 @pytest.fixture(scope="module")

@@ -18,10 +18,10 @@ from tests.support.refusals import refusal
 
 
 @pytest.fixture(scope="module")
-def folder(bus):
+def folder(bus_folder):
     """A whole BLF file, `whole.blf`, and its map."""
-    write_bus(bus / "whole.blf", 1.7e9)
-    return bus
+    write_bus(bus_folder / "whole.blf", 1.7e9)
+    return bus_folder
 
 
 def refused(folder, data, name="cut.blf"):

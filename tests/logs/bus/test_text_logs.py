@@ -8,13 +8,13 @@ from calib.logs.read import read_log
 from tests.support.recordings import MAP, write_bus
 from tests.support.refusals import refusal
 
-CHART = MAP.format(dbc='dbc = "chassis.dbc"\n')
+MAP_TEXT = MAP.format(dbc='dbc = "chassis.dbc"\n')
 
 
 @pytest.fixture(scope="module")
-def folder(bus):
-    write_bus(bus / "whole.log", 1.7e9)
-    return bus
+def folder(bus_folder):
+    write_bus(bus_folder / "whole.log", 1.7e9)
+    return bus_folder
 
 
 @pytest.fixture(scope="module")
@@ -22,10 +22,10 @@ def lines(folder):
     return (folder / "whole.log").read_text().splitlines(keepends=True)
 
 
-def read(folder, lines, chart="map.toml"):
+def read(folder, lines, map_file="map.toml"):
     path = folder / "other.log"
     path.write_text("".join(lines))
-    return read_log(path, folder / chart)
+    return read_log(path, folder / map_file)
 
 
 def refused(folder, lines):
@@ -60,9 +60,9 @@ def test_a_second_run_in_the_file(folder, lines):
 def test_a_message_on_two_buses_must_be_chosen(folder, lines):
     both = [x for line in lines for x in (line, line.replace("can0", "can1"))]
     refused(folder, both)
-    chart = CHART
+    map_text = MAP_TEXT
     for name, message in (("Whl", "WHEELS"), ("PMc", "BRAKE"), ("Ax", "IMU"), ("VRef", "IMU")):
-        chart = chart.replace(f'"{name}', f'"can1.{message}.{name}')
-    (folder / "can1.toml").write_text(chart)
+        map_text = map_text.replace(f'"{name}', f'"can1.{message}.{name}')
+    (folder / "can1.toml").write_text(map_text)
     log, whole = read(folder, both, "can1.toml"), read(folder, lines)
     np.testing.assert_array_equal(log["omega_fl"], whole["omega_fl"])

@@ -14,9 +14,9 @@ VERSIONS = list(HEADS)
 
 
 @pytest.fixture(scope="module")
-def folder(bus):
-    write_bus(bus / "whole.log", 1.7e9)
-    return bus
+def folder(bus_folder):
+    write_bus(bus_folder / "whole.log", 1.7e9)
+    return bus_folder
 
 
 @pytest.fixture(scope="module")

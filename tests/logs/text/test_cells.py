@@ -96,7 +96,7 @@ KINDS = [
 ]
 
 
-@pytest.mark.parametrize(("values", "kind"), KINDS, ids=lambda one: str(one)[:20])
+@pytest.mark.parametrize(("values", "kind"), KINDS, ids=lambda x: str(x)[:20])
 def test_clocks_in_parquet(values, kind):
     values = [*values[:30], None, *values[31:]]
     sink = pa.BufferOutputStream()

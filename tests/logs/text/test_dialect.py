@@ -151,7 +151,7 @@ MARKS = "a [s];b [1];c [1]\n" + "".join(f"{i};0,5;0.25\n" for i in range(60))
 
 
 @pytest.mark.parametrize(
-    ("data", "told", "first"),
+    ("data", "text_format", "first"),
     [
         (THOUSANDS.format(";"), TextFormat(decimal=","), 1.1),
         (THOUSANDS.format("\t"), TextFormat(decimal=","), 1.1),
@@ -160,11 +160,11 @@ MARKS = "a [s];b [1];c [1]\n" + "".join(f"{i};0,5;0.25\n" for i in range(60))
     ],
     ids=["thousands", "thousands between tabs", "two separators", "two marks"],
 )
-def test_what_can_be_read_in_two_ways_is_asked(data, told, first):
+def test_what_can_be_read_in_two_ways_is_asked(data, text_format, first):
     with pytest.raises(LogError, match="--map"):
         open_csv(data.encode(), "run.csv")
-    if told:
-        assert open_csv(data.encode(), "run.csv", told).read([1])[0][0] == first
+    if text_format:
+        assert open_csv(data.encode(), "run.csv", text_format).read([1])[0][0] == first
 
 
 def test_spreadsheet_line_tells_the_separator():
