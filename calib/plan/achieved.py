@@ -41,16 +41,12 @@ def widths_of(table: Table) -> HalfWidths:
 
 @dataclass(frozen=True)
 class PlannedRuns:
-    """A plan as a fit reads it.
+    """A plan as a fit reads it."""
 
-    ``steps`` are the names of the measures, ``end`` is the largest deceleration of the ramps [g],
-    ``sensors`` are the optional channels, ``after`` the half widths at the end of the plan.
-    """
-
-    steps: tuple[str, ...]
-    end: float
-    sensors: frozenset[str]
-    after: HalfWidths
+    steps: tuple[str, ...]  # names of the measures
+    end: float  # largest deceleration of the ramps [g]
+    sensors: frozenset[str]  # optional channels
+    after: HalfWidths  # at the end of the plan
 
 
 def read_plan(path: Path) -> PlannedRuns:
@@ -72,15 +68,12 @@ def read_plan(path: Path) -> PlannedRuns:
 
 
 class Achieved(NamedTuple):
-    """Planned and achieved half widths [1]; ``reached`` if none is above `_WIDER` times its plan.
-
-    ``reasons`` tell what the plan has and the fit has not.
-    """
+    """Planned and achieved half widths [1]."""
 
     planned: HalfWidths
     achieved: HalfWidths
-    reached: bool
-    reasons: tuple[str, ...]
+    reached: bool  # whether no half width is above `_WIDER` times the planned one
+    reasons: tuple[str, ...]  # what the plan has and the fit has not
 
 
 def compare(plan: PlannedRuns, table: Table, logs: Sequence[Log], mass: MassUsed) -> Achieved:

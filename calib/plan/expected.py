@@ -37,23 +37,16 @@ _UNKNOWN_TYRES = 0.2  # sigma of ln of a slip stiffness [1], see `compliance` in
 
 @dataclass(frozen=True)
 class Prior:
-    """What is known of a car before the measures.
-
-    ``sensors``: the optional channels that the car logs
-    ``pad_level``, ``pad_ratio``: ln of the pads over those of the ``vehicle`` file [1]
-    ``stiffness``: ln of the slip stiffness [1]
-    ``noise``: noise of each channel [SI]
-    ``logs``: earlier logs of the car, which the fit after the measures uses, too
-    """
+    """What is known of a car before the measures."""
 
     vehicle: Vehicle
     track: Track
-    sensors: frozenset[str]
-    pad_level: Value
-    pad_ratio: Value
-    stiffness: Value
-    noise: Mapping[str, NoiseLevel]
-    logs: tuple[Log, ...] = ()
+    sensors: frozenset[str]  # optional channels that the car logs
+    pad_level: Value  # ln of the level of the pads over that of the vehicle file [1]
+    pad_ratio: Value  # ln of the pad ratio over that of the vehicle file [1]
+    stiffness: Value  # ln of the slip stiffness [1]
+    noise: Mapping[str, NoiseLevel]  # of each channel [SI]
+    logs: tuple[Log, ...] = ()  # earlier logs, which the fit after the measures uses, too
 
 
 def prior_of(
@@ -65,7 +58,7 @@ def prior_of(
 ) -> Prior:
     """Return the prior from ``logs`` of a car, or else from its ``table``, or else from its file.
 
-    Raises as `calib.fitting.fit`.
+    Raises as `calib.fitting.fit` does.
     """
     if logs:
         table = fit(vehicle, list(logs))

@@ -5,11 +5,7 @@
       |______.'     |__
       +---------------> t
 
-`measures.csv` has a row for each measure. Its columns with numbers are
-
-    end       of a ramp, the deceleration over g [1]; of an axle alone, its force over its load [1]
-    rise      time of the rise of a ramp, or of a coast [s]
-    seconds   time of a measurement in the workshop [s]
+`measures.csv` has a row for each measure.
 """
 
 from dataclasses import dataclass, replace
@@ -36,20 +32,16 @@ _SLOWEST = 5.0  # least speed at the end of a rise [m/s]: a fit leaves out slowe
 
 @dataclass(frozen=True)
 class Measure:
-    """A row of `measures.csv`; an empty number is NaN.
-
-    ``axle`` is "f" or "r" if the front or rear axle brakes alone, else "". ``text`` names the
-    measure, ``driver`` tells the driver or the workshop what to do.
-    """
+    """A row of `measures.csv`; an empty number is NaN."""
 
     name: str
     kind: str
-    axle: str
-    end: float
-    rise: float
-    seconds: float
-    text: str
-    driver: str
+    axle: str  # "f" or "r" if the front or rear axle brakes alone, else ""
+    end: float  # of a ramp, the deceleration over g [1]; of an axle alone, its force over load [1]
+    rise: float  # time of the rise of a ramp, or of a coast [s]
+    seconds: float  # time of a measurement in the workshop [s]
+    text: str  # name for people
+    driver: str  # what the driver or the workshop does
 
     @property
     def driven(self) -> bool:
@@ -71,10 +63,10 @@ class Measure:
 
 @dataclass(frozen=True)
 class Track:
-    """The track of the runs: its ``length`` [m], and the ``speed`` at which a run begins [m/s]."""
+    """The track of the runs."""
 
-    length: float = np.inf
-    speed: float = 100.0 / 3.6
+    length: float = np.inf  # [m]
+    speed: float = 100.0 / 3.6  # at which a run begins [m/s]
 
 
 @cache

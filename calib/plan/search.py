@@ -6,7 +6,7 @@ A width below the wanted one counts as the wanted one. The first measure is the 
 greatest mean gain over several cars, each with its own noise. Each next measure has the greatest
 gain per second for the mean car. A measure that gained next to nothing is not tried again, since
 gains diminish with every measure. The widths of a plan are medians over several cars, but its
-floors, the widths after every measure that can be done, are of the mean car.
+floors, the widths after every measure that can be done here, are of the mean car.
 """
 
 import math
@@ -32,10 +32,10 @@ _Sequence = tuple[Measure, ...]  # measures in the order in which they are done
 
 
 class Want(NamedTuple):
-    """The wanted half ``widths``, 0 where none is wanted; ``seconds`` is the time to spend [s]."""
+    """What a plan is to reach, and in which time."""
 
-    widths: HalfWidths = HalfWidths()
-    seconds: float = math.inf
+    widths: HalfWidths = HalfWidths()  # 0 where none is wanted
+    seconds: float = math.inf  # time to spend [s]
 
     def met_by(self, widths: HalfWidths) -> bool:
         """Whether the widths are as narrow as wanted; False if none is wanted."""
@@ -53,34 +53,26 @@ class Want(NamedTuple):
 
 @dataclass(frozen=True)
 class Step:
-    """A measure of a plan. It takes ``seconds`` [s]; ``widths`` are those after it."""
+    """A measure of a plan."""
 
     measure: Measure
-    seconds: float
-    widths: HalfWidths
+    seconds: float  # that it takes [s]
+    widths: HalfWidths  # after the measure
 
 
 @dataclass(frozen=True)
 class Plan:
-    """The ``steps`` to do, in this order, and the widths that they will bring.
-
-    ``start``: the widths before any step
-    ``not_worth``: measures that gained less than `_WORTH` when last tried, with their gains [1]
-    ``impossible``: measures that cannot be done here, with the reasons
-    ``floor``: the widths after every measure that can be done here, whatever its time
-    ``floor_of_runs``: the widths after every run that can be done here
-    ``with_speed``: the widths after the steps if ``v`` were logged as well; None if ``v`` is logged
-    """
+    """The steps to do, and the widths that they will bring."""
 
     prior: Prior
     want: Want
-    start: HalfWidths
-    steps: tuple[Step, ...]
-    not_worth: dict[Measure, float]
-    impossible: dict[Measure, str]
-    floor: HalfWidths
-    floor_of_runs: HalfWidths
-    with_speed: HalfWidths | None
+    start: HalfWidths  # before any step
+    steps: tuple[Step, ...]  # in their order
+    not_worth: dict[Measure, float]  # gains [1] when last tried, if below `_WORTH`
+    impossible: dict[Measure, str]  # why measures cannot be done here
+    floor: HalfWidths  # after every measure that can be done here, whatever its time
+    floor_of_runs: HalfWidths  # after every run that can be done here
+    with_speed: HalfWidths | None  # after the steps if `v` were logged; None if it is logged
 
     @property
     def after(self) -> HalfWidths:
@@ -222,10 +214,7 @@ def _why_not_driven(prior: Prior, measure: Measure) -> str:
 def _medians(
     in_parallel: MapFunction, prior: Prior, sequences: Sequence[_Sequence], count: int
 ) -> list[HalfWidths]:
-    """Return the median widths over ``count`` cars after each sequence.
-
-    Raises LogError, with the reason, for a sequence that cannot be done.
-    """
+    """Return the median widths over ``count`` cars after each sequence. Raises LogError."""
     medians = []
     for reason, widths in _outcomes(in_parallel, prior, sequences, count):
         if reason:

@@ -19,17 +19,13 @@ from calib.table.table import Scatter, Table, Value
 
 @dataclass(frozen=True)
 class _Usability:
-    """Whether a version is ``usable`` in an ECU, and the ``next`` step as a command or a sentence.
-
-    ``may`` is yes or no with the reason. The curves are valid over ``decelerations`` [g], and
-    ``ends`` says what limits that range.
-    """
+    """Whether and where a version may be used in an ECU."""
 
     usable: bool
-    may: str
-    decelerations: tuple[float, float]
-    ends: str
-    next: str
+    may: str  # yes or no, with the reason
+    decelerations: tuple[float, float]  # where the curves are valid [g]
+    ends: str  # what limits this range
+    next: str  # what to do, a command or a sentence
 
 
 def usability(stored: Stored) -> _Usability:
@@ -66,16 +62,12 @@ def verdict(stored: Stored) -> str:
 
 @dataclass(frozen=True)
 class _MeanFigure:
-    """The mean ``value`` of several cars, with two errors relative to the value [1].
-
-    ``half_width`` is of the 95 % interval of the mean, without errors that all cars share.
-    ``between`` is the standard deviation between the cars.
-    """
+    """The mean of several cars, with two errors relative to the mean [1]."""
 
     name: str
     value: float
-    half_width: float
-    between: float
+    half_width: float  # of the 95 % interval of the mean, without errors that all cars share
+    between: float  # standard deviation between the cars
 
 
 def mean_figures(table: Table) -> tuple[_MeanFigure, ...]:
@@ -104,16 +96,13 @@ def mean_figures(table: Table) -> tuple[_MeanFigure, ...]:
 
 @dataclass(frozen=True)
 class _EffectFigure:
-    """The parameter ``name`` of an effect: ``value`` and its 95 % interval ``ci95`` [``unit``].
-
-    The interval is cut at the range of the effect's card; without a card ``unit`` is "SI".
-    """
+    """A parameter of an effect."""
 
     effect: str
     name: str
     value: Value
-    unit: str
-    ci95: tuple[float, float]
+    unit: str  # "SI" if the effect has no card
+    ci95: tuple[float, float]  # 95 % interval, cut at the range of the effect's card
 
     def __str__(self) -> str:
         low, high = self.ci95

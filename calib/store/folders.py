@@ -59,10 +59,7 @@ def refuse_link(home: Path) -> None:
 
 
 def unplaced(folder: Path, name: str = "*") -> list[Path]:
-    """Return the folders of versions that are not yet moved to their final name, in order.
-
-    ``name`` is a table of the store ``folder``; "*" stands for all tables.
-    """
+    """Return the folders of versions of a table, or of all, that have no final name yet."""
     paths = folder.glob(f"{name}/{NEW_PREFIX}*")
     return sorted(path for path in paths if names_a_table(path.parent.name))
 

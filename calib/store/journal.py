@@ -51,23 +51,18 @@ _LINE = re.compile(
 
 
 class Entry(NamedTuple):
-    """One ``line`` of the journal, and the fields of it that are always read.
-
-    ``number`` counts lines from 1. ``digest`` is of the table's content, ``record`` the SHA-256 of
-    the record file, ``inputs`` the digest of logs, vehicle and settings. ``state`` is the state of
-    the version after the event.
-    """
+    """One ``line`` of the journal, and the fields of it that are always read."""
 
     line: str
-    number: int
+    number: int  # from 1
     version: int
-    digest: str
+    digest: str  # of the table's content
     event: str
     hash: str
-    inputs: str
-    previous: str
-    record: str
-    state: str
+    inputs: str  # digest of logs, vehicle and settings
+    previous: str  # hash of the previous line
+    record: str  # SHA-256 of the record file
+    state: str  # of the version after the event
     table: str
 
     @classmethod
@@ -136,8 +131,7 @@ class Journal:
     ) -> "Journal":
         """Return the journal with one more entry: ``event`` of a version by a ``decision``.
 
-        A new version needs the ``fields`` digest, record and inputs; later entries repeat the first
-        two.
+        A new version needs the ``fields`` digest, record and inputs; later ones repeat two of them.
         """
         history = self.versions(name).get(version)
         if history:

@@ -49,18 +49,14 @@ _SIZE = 2048  # draws for the maps; a table stores TABLE_DRAWS of them
 
 
 class _CurvesOfCars(NamedTuple):
-    """One curve of k cars on a common axis (n,): its values and variances (k, n).
-
-    ``per_run_variance`` is of what differs between runs, ``shared_variance`` of the other errors.
-    ``blocks`` and ``flag`` (n,) are columns of the mean curve, as in `DifferenceCurve`.
-    """
+    """One curve of k cars on a common axis (n,); ``blocks`` and ``flag`` are of their mean."""
 
     axis: Array
-    values: Array
-    per_run_variance: Array
-    shared_variance: Array
-    blocks: Array
-    flag: Array
+    values: Array  # (k, n)
+    per_run_variance: Array  # of the errors that differ between runs, (k, n)
+    shared_variance: Array  # of the other errors, (k, n)
+    blocks: Array  # number of blocks of each row, (n,)
+    flag: Array  # as in `DifferenceCurve`, (n,)
 
 
 def mean_curves(tables: Sequence[Table]) -> tuple[dict[str, Any], RandomEffects]:
@@ -78,9 +74,9 @@ def mean_curves(tables: Sequence[Table]) -> tuple[dict[str, Any], RandomEffects]
 
 
 def _on_common_axis(start: float, curves: Sequence[Sequence[Array]]) -> _CurvesOfCars:
-    """Interpolate one curve of each car to an axis from ``start`` to the end of the shortest.
+    """Interpolate a curve of each car, given by its columns, to an axis from ``start``.
 
-    Each curve is the list of its columns, in the order of `DifferenceCurve`: the axis is the first.
+    Columns are in the order of `DifferenceCurve`, the axis first. The shortest curve ends the axis.
     """
     end, rows = min(float(curve[0][-1]) for curve in curves), max(curve[0].size for curve in curves)
     axis = np.linspace(start, end, rows)

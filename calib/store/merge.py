@@ -83,10 +83,7 @@ def _scatters(effects: RandomEffects) -> tuple[Scatter, ...]:
 
 
 def _effects(tables: Sequence[Table]) -> Effects:
-    """Return the mean parameters of drag and rolling resistance, for one more car.
-
-    The errors of the coasts come from road and wind, so they are counted as shared by all cars.
-    """
+    """Return the mean drag and rolling resistance, for one more car."""
     values: dict[str, dict[str, float]] = {}
     sigma: dict[str, dict[str, float]] = {}
     for effect, parameters in tables[0].effect_values.items():
@@ -95,6 +92,7 @@ def _effects(tables: Sequence[Table]) -> Effects:
             cars = [table.effect_values[effect][parameter] for table in tables]
             x = np.array([[car.value] for car in cars])  # (cars, 1)
             scatter = random_effects(x, np.zeros_like(x))
+            # errors of coasts come from road and wind: all cars share them
             shared = math.sqrt(np.mean([car.sigma**2 for car in cars]))
             values[effect][parameter] = float(scatter.mean[0])
             sigma[effect][parameter] = math.hypot(inflated(scatter)[0], shared)

@@ -71,11 +71,11 @@ class RecordFile(Section):
 
 
 class _ValidatedLog(Section):
-    """A log that was validated; ``role`` is "hold-out" if the fit did not use the log."""
+    """A log that was validated."""
 
     model_config = ConfigDict(extra="ignore")
 
-    role: str
+    role: str  # "hold-out" if the fit did not use the log
 
 
 class SummaryFile(FileSchema):
@@ -95,7 +95,7 @@ def table_of(
 ) -> Table:
     """Build the table from its `Record`, its curves and maps, and the sample time of its logs [s].
 
-    Raises KeyError or TypeError for a curve or a column that is missing.
+    Raises KeyError or TypeError if a curve or a column is missing.
     """
     arguments = dict(record)
     for key in ("schema_version", "empirical", "own_effects"):

@@ -22,17 +22,13 @@ _UNSEEN = "an older copy of the store will not be noticed"
 
 
 class _SeenJournal(NamedTuple):
-    """A journal as it was when a user last saw it, with the key that verified it.
-
-    ``store`` is the hash of its first line, ``place`` its folder, ``head`` the hash of its last
-    line, and ``lines`` the number of its lines.
-    """
+    """A journal as it was when a user last saw it, with the key that verified it."""
 
     key: str
-    store: str
-    place: str
-    head: str
-    lines: int
+    store: str  # hash of its first line
+    place: str  # its folder
+    head: str  # hash of its last line
+    lines: int  # number of its lines
 
     def contradiction(self, folder: Path, journal: Journal) -> str:
         """Return why the ``journal`` in ``folder`` is no later form of this one; "" if it may be.
@@ -53,11 +49,11 @@ class _SeenJournal(NamedTuple):
 
 @dataclass(frozen=True)
 class SeenJournals:
-    """The journals of the file ``path``; ``note`` says why the file cannot be used, or is ""."""
+    """The journals of the file ``path``."""
 
     path: Path | None
     journals: tuple[_SeenJournal, ...] = ()
-    note: str = ""
+    note: str = ""  # why the file cannot be used
 
     def check(self, folder: Path, journal: Journal, key: str) -> None:
         """Raise SignatureRefused if a journal seen with the key contradicts this ``journal``."""

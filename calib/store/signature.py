@@ -28,16 +28,13 @@ _HEAD = re.compile(r"brake-cal .*\bjournal=([0-9a-f]{64})")
 
 @dataclass(frozen=True)
 class _Signed:
-    """A version with a valid signature in the file ``path``.
-
-    ``note`` says why an older copy of the store will not be noticed; "" if it will be.
-    """
+    """A version with a valid signature in the file ``path``."""
 
     stored: Stored
     path: Path
     key_id: str
     comment: str
-    note: str = ""
+    note: str = ""  # why an older copy of the store will not be noticed
 
     def to_dict(self) -> dict[str, object]:
         """Return the JSON document of a signature."""
@@ -116,10 +113,7 @@ def signer(stored: Stored) -> str | None:
 
 
 def _require_newest(store: Store, public: PublicKey) -> tuple[Snapshot, SeenJournals]:
-    """Return the store as it is, and the journals seen.
-
-    Raises SignatureRefused for a copy that is older than a journal seen.
-    """
+    """Return the store, and the journals seen. Raises SignatureRefused for an older copy."""
     seen_journals = recall()
     snapshot = store.snapshot()
     seen_journals.check(store.folder, snapshot.journal, public.key_id)
@@ -165,7 +159,7 @@ def _with_signature(snapshot: Snapshot, entry: StoreEntry, public: PublicKey) ->
 
 
 def _verified(snapshot: Snapshot, stored: Stored, public: PublicKey) -> _Signed:
-    """Return a version with its valid signature. Raises SignatureRefused."""
+    """Return a version with its valid signature. Raises SignatureRefused, DamagedTable."""
     path = signature_file(stored.path.parent, stored.version)
     if not path.exists():
         raise _refusal(stored, "has no signature")
@@ -193,10 +187,7 @@ def _refusal(stored: Stored, flaw: str) -> SignatureRefused:
 
 
 def _signed_line(snapshot: Snapshot, signature: Signature, path: Path) -> int:
-    """Return the number of the journal's line that was the head when the signature was made.
-
-    Raises SignatureRefused if the journal has no such line.
-    """
+    """Return the number of the journal's line that is signed. Raises SignatureRefused."""
     head = _HEAD.fullmatch(signature.trusted_comment)
     if not head:
         raise SignatureRefused("its trusted comment names no head of a journal", where=path)

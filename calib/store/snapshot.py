@@ -27,18 +27,14 @@ from calib.table.table import Table
 
 @dataclass(frozen=True)
 class StoreEntry:
-    """A version as `Store.entries` and `Store.verify` give it.
-
-    ``stored`` is None after `Store.verify`, and if the version cannot be read, see ``violations``.
-    ``signed`` is the state in the valid signature of the version, if a key was given.
-    """
+    """A version as `Store.entries` and `Store.verify` give it."""
 
     name: str
     version: int
     state: VersionState
-    stored: Stored | None
+    stored: Stored | None  # None after `Store.verify`, and if the version cannot be read
     violations: tuple[str, ...] = ()
-    signed: str | None = None
+    signed: str | None = None  # the state in the valid signature, if a key was given
 
     @property
     def id(self) -> str:

@@ -26,36 +26,30 @@ CHANGES = {
 
 @dataclass(frozen=True)
 class Evidence:
-    """A file on which a state rests: its name without folder, and its SHA-256."""
+    """A file on which a state rests."""
 
-    name: str
+    name: str  # without folder
     sha256: str
 
 
 @dataclass(frozen=True)
 class StateDecision:
-    """The decision that a version gets ``state``, with a ``reason``, a ``verdict`` and evidence.
+    """The decision that a version gets ``state``.
 
-    ``by`` is who decided; "" is the user of the computer. An ``automatic`` decision is a program's,
-    which neither releases a rejected version nor changes a withdrawn one.
+    An ``automatic`` decision neither releases a rejected version nor changes a withdrawn one.
     """
 
     state: str = DRAFT
     reason: str = ""
-    verdict: str = ""
+    verdict: str = ""  # of the evidence
     evidence: tuple[Evidence, ...] = ()
-    by: str = ""
-    automatic: bool = False
+    by: str = ""  # who decided; "" is the user of the computer
+    automatic: bool = False  # whether a program decided
 
 
 @dataclass(frozen=True)
 class VersionState:
-    """The state ``word`` of a version, ``since`` when, by whom, for what reason and evidence.
-
-    ``since`` and ``stored_at``, the moment of storing, are in UTC (ISO 8601). ``past_evidence`` has
-    the SHA-256 of the evidence of all states of the version. ``in_store`` is False for a copy
-    outside of a store.
-    """
+    """The state of a version, with its last decision. Times are in UTC (ISO 8601)."""
 
     word: str = DRAFT
     since: str = ""
@@ -64,8 +58,8 @@ class VersionState:
     verdict: str = ""
     evidence: tuple[Evidence, ...] = ()
     stored_at: str = ""
-    past_evidence: frozenset[str] = frozenset()
-    in_store: bool = True
+    past_evidence: frozenset[str] = frozenset()  # SHA-256 of the evidence of all its states
+    in_store: bool = True  # False for a copy outside of a store
 
     @property
     def released(self) -> bool:
@@ -96,10 +90,7 @@ NOT_STORED = VersionState(reason="not stored", in_store=False)
 
 
 def changes_state(version: str, current: VersionState, decision: StateDecision | None) -> bool:
-    """Whether ``decision`` changes the ``current`` state of ``version``.
-
-    Raises StoreError where the state of the decision may not follow the current one.
-    """
+    """Whether ``decision`` changes the ``current`` state. Raises StoreError if it must not."""
     if decision is None or decision.state == DRAFT:
         return False
     releases_rejected = current.word == REJECTED and decision.state == RELEASED

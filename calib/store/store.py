@@ -108,7 +108,7 @@ class Store:
         return self._find(reference, released=False)
 
     def released(self, reference: str) -> Stored:
-        """Read a version as `load` does; a bare ``name`` is its newest released version."""
+        """Read a version as `load` does, but for a bare ``name`` the newest released version."""
         return self._find(reference, released=True)
 
     def snapshot(self) -> Snapshot:

@@ -34,20 +34,16 @@ from calib.table.table import COLUMNS, Table
 
 @dataclass(frozen=True)
 class Stored(Viewable):
-    """A table as a version of a store, whose folder is ``path``.
-
-    ``record`` is the SHA-256 of the record file. ``existed`` tells that `Store.save` found the
-    version instead of writing it.
-    """
+    """A table as a version of a store."""
 
     table: Table
     name: str
     version: int
     digest: str
-    path: Path
-    record: str = ""
+    path: Path  # its folder
+    record: str = ""  # SHA-256 of the record file
     state: VersionState = UNJUDGED
-    existed: bool = False
+    existed: bool = False  # whether `Store.save` found the version instead of writing it
 
     def __repr__(self) -> str:
         return f"{self.id} in {self.path}\n{self.table!r}"

@@ -98,10 +98,7 @@ class BatchJournal:
 
 
 def _locked(path: Path) -> tuple[sqlite3.Connection, dict[str, str]]:
-    """Lock and check the database; return it, and its settings, which are empty if it is new.
-
-    A file that is not a journal is not changed.
-    """
+    """Lock and check the database; return it with its settings, which are empty if it is new."""
     with _errors_of_sqlite(path):
         db = sqlite3.connect(path, timeout=0.0)
         try:

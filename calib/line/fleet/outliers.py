@@ -38,15 +38,11 @@ _EM_STEPS = 30  # steps of expectation and maximisation; then the shares are con
 
 @dataclass(frozen=True)
 class OutlierTest:
-    """Test of m metrics of n cars; p is NaN where a metric is not known or not judged.
+    """Test of m metrics of n cars; p is NaN where a metric is not known or not judged."""
 
-    ``p`` (m, n) is two-sided. ``reasons`` (m, n) are the metrics for which a car is an outlier.
-    ``p_of_car`` (n,) is over all metrics of a car.
-    """
-
-    p: Array
-    reasons: Mask
-    p_of_car: Array
+    p: Array  # two-sided, (m, n)
+    reasons: Mask  # metrics for which a car is an outlier, (m, n)
+    p_of_car: Array  # over all metrics of a car, (n,)
 
 
 def find_outliers(values: Array, least: Sequence[float]) -> OutlierTest:

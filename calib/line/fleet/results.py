@@ -48,14 +48,11 @@ def write_results(rows: Iterable[Row], settings: dict[str, str], folder: Path) -
 
 @dataclass(frozen=True)
 class FleetFile:
-    """Results of n logs in the order of their names, where log10 follows log9.
-
-    ``metrics`` are the columns but for `HEAD`, ``table`` is the whole Arrow table.
-    """
+    """Results of n logs in the order of their names, where log10 follows log9."""
 
     logs: tuple[str, ...]
-    metrics: tuple[Column, ...]
-    table: Any
+    metrics: tuple[Column, ...]  # all columns but those of `HEAD`
+    table: Any  # the Arrow table with all columns
 
     def numbers(self, name: str) -> Array:
         """Return a column of numbers, (n,); NaN for a log without a number."""

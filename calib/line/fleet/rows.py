@@ -29,28 +29,23 @@ class Status(StrEnum):
 
 @dataclass(frozen=True)
 class Column:
-    """One column: its SI ``unit``, and the ``kind`` of its cells, which is float, bool or str."""
+    """One column of the results."""
 
     name: str
-    unit: str = "1"
-    kind: type = float
+    unit: str = "1"  # SI
+    kind: type = float  # of its cells: float, bool or str
 
 
 @dataclass(frozen=True)
 class Row:
-    """Result of a command for one log.
-
-    ``digest`` is the SHA-256 of the log, ``cells`` are those of `columns_of`; a row with an
-    ``error`` has no cells. ``lost`` tells that the error may not come from the log, such as a dead
-    worker: the next run tries the log again.
-    """
+    """Result of a command for one log."""
 
     log: str
-    digest: str | None
+    digest: str | None  # SHA-256 of the log
     status: Status
     error: str | None
-    cells: tuple[Cell, ...] = ()
-    lost: bool = False
+    cells: tuple[Cell, ...] = ()  # of `columns_of`; none with an error
+    lost: bool = False  # whether the next run tries the log again, such as after a worker died
 
     def head(self) -> dict[str, str | None]:
         """Return the cells of `HEAD` by name."""

@@ -21,27 +21,23 @@ _EXAMPLES = 3  # largest number of logs that are named for a kind of error
 
 @dataclass(frozen=True)
 class Outlier:
-    """A log that is an outlier in the metric ``figure``, with its two-sided ``p``."""
+    """A log that is an outlier in a metric."""
 
     log: str
-    figure: str
+    figure: str  # name of the metric
     value: float
-    p: float
+    p: float  # two-sided
 
 
 @dataclass(frozen=True)
 class MetricSummary:
-    """One metric over the k logs of the fleet that have a number of it.
-
-    ``rows`` are the indices of these logs, ``values`` their numbers, ``outlying`` tells the
-    outliers, (k,) each. The metric is ``judged`` if there are enough values to find outliers.
-    """
+    """One metric over the k logs of the fleet that have a number of it."""
 
     column: Column
-    rows: Index
-    values: Array
-    outlying: Mask
-    judged: bool
+    rows: Index  # of these logs in the fleet, (k,)
+    values: Array  # (k,)
+    outlying: Mask  # whether a log is an outlier, (k,)
+    judged: bool  # whether there are enough values to find outliers
 
     @property
     def name(self) -> str:
@@ -78,33 +74,24 @@ class MetricSummary:
 
 @dataclass(frozen=True)
 class _Failure:
-    """Errors of one kind, whose messages differ only in names and numbers.
+    """Errors of one kind, whose messages differ only in names and numbers."""
 
-    ``message`` is the first message, ``count`` the number of errors, ``logs`` are some of the logs.
-    """
-
-    message: str
+    message: str  # of the first error
     count: int
-    logs: tuple[str, ...]
+    logs: tuple[str, ...]  # the first of the logs
 
 
 @dataclass(frozen=True)
 class Summary:
-    """Summary of the whole fleet.
-
-    ``status``: number of logs by status
-    ``failed``: for each log that fails, the limits that are not held; "" where they are not known
-    ``outliers``: for each outlier, in the order of p, its reasons, the least p first
-    ``copies``: groups of logs that are the same recording
-    """
+    """Summary of the whole fleet."""
 
     logs: tuple[str, ...]
-    status: dict[Status, int]
-    failed: dict[str, str]
+    status: dict[Status, int]  # number of logs
+    failed: dict[str, str]  # limits not held by each log that fails; "" if they are not known
     metrics: tuple[MetricSummary, ...]
-    outliers: dict[str, list[Outlier]]
+    outliers: dict[str, list[Outlier]]  # by log, in the order of p; of a log, the least p first
     failures: tuple[_Failure, ...]
-    copies: list[list[str]]
+    copies: list[list[str]]  # groups of logs that are the same recording
 
     @property
     def judged(self) -> bool:

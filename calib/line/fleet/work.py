@@ -27,17 +27,14 @@ Outcome = tuple[Status, tuple[Cell, ...]]
 
 @dataclass(frozen=True)
 class Job:
-    """A command and its inputs but for the log: `validate` needs a table, `fit` a vehicle.
-
-    ``version`` is that of the program which made the job.
-    """
+    """A command and its inputs but for the log."""
 
     command: Command
-    table: Table | None = None
-    vehicle: Vehicle | None = None
+    table: Table | None = None  # `validate` needs it
+    vehicle: Vehicle | None = None  # `fit` needs it
     limits: tuple[Limit, ...] = ()
     channel_map: ChannelMap | None = None
-    version: str = VERSION
+    version: str = VERSION  # of the program that makes the job
 
     def settings(self) -> dict[str, str]:
         """Return what the rows depend on besides the logs, each as a word or a digest."""
@@ -68,11 +65,11 @@ def _digest(value: object) -> str:
 
 @dataclass(frozen=True)
 class WorkItem:
-    """A log to process; ``digest`` is that of an earlier row of the log, None without one."""
+    """A log to process."""
 
     name: str
     path: str
-    digest: str | None = None
+    digest: str | None = None  # of an earlier row of the log
 
 
 def run_items(packed: bytes, items: tuple[WorkItem, ...]) -> list[Row | None]:

@@ -52,30 +52,22 @@ _DRAWS = 20_000
 
 @dataclass(frozen=True)
 class _VarianceSource:
-    """A row of the analysis of variance, for the cause ``source`` with ``df`` degrees of freedom.
+    """A row of the analysis of variance."""
 
-    ``ss`` is the sum of squares and ``ms`` the mean square, in the metric's unit squared. The mean
-    square has a chi-square distribution of ``effective_df``, see `_effective_df`.
-    """
-
-    source: str
-    df: int
-    ss: float
-    ms: float
-    effective_df: float
+    source: str  # cause
+    df: int  # degrees of freedom
+    ss: float  # sum of squares [unit of the metric squared]
+    ms: float  # mean square [unit of the metric squared]
+    effective_df: float  # of the chi-square distribution of the mean square
 
 
 @dataclass(frozen=True)
 class Anova:
-    """An analysis of variance with k causes.
-
-    ``variances`` are the estimates by cause, which may be negative. ``expected_mean_squares`` is C,
-    (k, k): a row for each mean square, a column for each variance.
-    """
+    """An analysis of variance with k causes."""
 
     sources: tuple[_VarianceSource, ...]
-    variances: dict[str, float]
-    expected_mean_squares: Array
+    variances: dict[str, float]  # estimates by cause, which may be negative
+    expected_mean_squares: Array  # C, (k, k): a row for each mean square
 
 
 def terms_of(car: Codes, station: Codes) -> tuple[str, ...]:
@@ -179,20 +171,14 @@ class _Ratio:
 
 @dataclass(frozen=True)
 class GaugeRR:
-    """The scatter of a metric, as the JSON document of a study has it.
-
-    ``components`` has the causes of the analysis by name, ``reproducibility`` if there are
-    stations, and ``gauge`` and ``total``. ``grr`` is %GRR, ``grr_of_tolerance`` %GRR of the
-    tolerance, None without a tolerance. ``cars_differ`` tells whether the interval of the standard
-    deviation of the cars is above zero.
-    """
+    """The scatter of a metric, as the JSON document of a study has it."""
 
     anova: tuple[_VarianceSource, ...]
-    components: dict[str, _Component]
-    grr: _Ratio
+    components: dict[str, _Component]  # by cause; also `REPRODUCIBILITY`, `GAUGE` and `TOTAL`
+    grr: _Ratio  # %GRR
     ndc: _Ratio
-    grr_of_tolerance: _Ratio | None
-    cars_differ: bool
+    grr_of_tolerance: _Ratio | None  # None without a tolerance
+    cars_differ: bool  # whether the interval of the standard deviation of the cars is above zero
 
 
 def gauge_rr(analysis: Anova, tolerance: float | None = None) -> GaugeRR:

@@ -25,7 +25,7 @@ _FILE = f"a CSV file with columns {', '.join(_COLUMNS)}; the last three may be l
 
 @dataclass(frozen=True)
 class PlannedRamp:
-    """A ramp of a study; ``station`` and ``road`` are "" if the plan does not give them."""
+    """A ramp of a study; ``station`` and ``road`` are "" if they are not given."""
 
     log: Path
     car: str

@@ -53,16 +53,13 @@ _DEFAULTS = (
 
 
 class GaugeVerdict(StrEnum):
-    """Verdict on the gauge of a metric, by AIAG.
-
-    ALIKE: the cars do not differ and no tolerance is known. NOT_JUDGED: repeats do not scatter.
-    """
+    """Verdict on the gauge of a metric, by AIAG."""
 
     GOOD = "good"
     MARGINAL = "marginal"
     BAD = "bad"
-    ALIKE = "the cars do not differ"
-    NOT_JUDGED = "not judged"
+    ALIKE = "the cars do not differ"  # and no tolerance is known
+    NOT_JUDGED = "not judged"  # repeats do not scatter
 
 
 REFUSED = (GaugeVerdict.BAD, GaugeVerdict.ALIKE)  # verdicts with which a metric does not pass
@@ -70,36 +67,33 @@ REFUSED = (GaugeVerdict.BAD, GaugeVerdict.ALIKE)  # verdicts with which a metric
 
 @dataclass(frozen=True)
 class GaugeReading:
-    """The metrics of one ramp: ``figures`` by the names of `METRICS`; ``digest`` of the log."""
+    """The metrics of one ramp."""
 
     log: str
     car: str
     station: str
-    figures: dict[str, float]
-    digest: str = ""
+    figures: dict[str, float]  # by the names of `METRICS`
+    digest: str = ""  # of the log
 
 
 @dataclass(frozen=True)
 class GaugeResult:
-    """The result for one metric, with its ``values`` (n,) in the order of the n readings.
-
-    ``gauge`` is None if repeats do not scatter at all.
-    """
+    """The result for one metric."""
 
     name: str
-    values: Array
-    gauge: GaugeRR | None
+    values: Array  # of the n readings in their order, (n,)
+    gauge: GaugeRR | None  # None if repeats do not scatter at all
     judgements: tuple[Judgement, ...]
     verdict: GaugeVerdict
 
 
 @dataclass(frozen=True)
 class GaugeStudy:
-    """The whole study; ``notes`` say what its design cannot tell."""
+    """The whole study."""
 
     readings: tuple[GaugeReading, ...]
     results: tuple[GaugeResult, ...]
-    notes: tuple[str, ...]
+    notes: tuple[str, ...]  # what its design cannot tell
 
     @property
     def passed(self) -> bool:

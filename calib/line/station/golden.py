@@ -30,10 +30,7 @@ _OVERLAP = 0.5
 
 
 def golden_table(store: Store, reference: str) -> Stored:
-    """Return a golden table, which is released, or a draft that ``reference`` names by version.
-
-    Raises StoreError for another state.
-    """
+    """Return a released table, or a draft named by its version. Raises StoreError for others."""
     stored = store.released(reference)
     if not (stored.state.usable and stored.state.in_store):
         flaw = f"is {stored.state.description}; no car is measured by it"
@@ -63,9 +60,9 @@ def golden_metrics(table: Table, golden: Table) -> dict[str, float]:
 
 
 def _distance(table: Table, golden: Table, end: float) -> dict[str, float]:
-    """Return the largest difference of D up to eta = ``end``, over two scales.
+    """Return the largest difference of D up to eta = ``end``.
 
-    These are the golden table's largest D, and the 95 % half width of the difference.
+    It is given over the golden table's largest D, and over the 95 % half width of the difference.
     """
     curves = table.difference, golden.difference
     # both curves are linear between rows, so their difference is largest at a row of one of them

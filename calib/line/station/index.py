@@ -22,26 +22,19 @@ NO_VERDICT = "refused"  # verdict of a car that could not be judged
 
 @dataclass(frozen=True)
 class IndexedRun:
-    """One run as the index shows it.
+    """One run as the index shows it."""
 
-    ``place``: folder of the run, relative to that of the index
-    ``written_at``: time of the verdict [s since 1970]
-    ``bad``: number of checks and warnings that speak against the car
-    ``why``: the first of these checks, a failed one if any, as (metric, stop, value, next step)
-    ``trend``: the metrics `TRENDS` by name, with their ``limits`` (low, high)
-    ``refusal``: why the car could not be judged
-    """
-
-    place: str
-    written_at: float
+    place: str  # folder of the run, relative to that of the index
+    written_at: float  # time of the verdict [s since 1970]
     verdict: str
     car: str = ""
     station: str = ""
-    bad: int = 0
+    bad: int = 0  # number of checks and warnings that speak against the car
     why: tuple[str, str, float | None, str] | None = None
-    trend: dict[str, float | None] | None = None
-    limits: dict[str, tuple[float | None, float | None]] | None = None
-    refusal: str = ""
+    """The first of these checks, a failed one if any: metric, stop, value and next step."""
+    trend: dict[str, float | None] | None = None  # the metrics `TRENDS` by name
+    limits: dict[str, tuple[float | None, float | None]] | None = None  # of `trend`: low, high
+    refusal: str = ""  # why the car could not be judged
 
 
 TRENDS = ("torque_per_bar_f", "torque_per_bar_r", "pad_scale", "ramp_eta_zero")

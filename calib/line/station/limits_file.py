@@ -66,10 +66,7 @@ A metric without a line is not judged. `validate` judges the metrics of the stop
 
 
 def limits_file() -> str:
-    """Return the text of a limits file with the default limits.
-
-    Comments at its end name the metrics of stops that are not judged by default.
-    """
+    """Return the text of a limits file: the default limits, and metrics that have none."""
     lines = [f"# {line}".rstrip() for line in _HEAD.splitlines()] + ["schema = 1", "", "[limits]"]
     for limit in LIMITS:
         metric = METRICS[limit.figure]

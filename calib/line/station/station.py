@@ -80,22 +80,16 @@ class StationCheck(Judgement):
 
 @dataclass(frozen=True)
 class StationOutcome:
-    """A car after its run at the station, and the verdict.
+    """A car after its run at the station, and the verdict."""
 
-    ``table`` was fitted on ``ramps`` and on coasts. ``results`` are those of the hold-outs in their
-    order, ``golden`` is the golden table of the model. ``accepted`` says why warnings are accepted;
-    "" accepts none. ``by`` is who answers for the verdict, "" the user of the computer.
-    ``limits_file`` names the file of ``limits`` with its digest, "" for default limits.
-    """
-
-    table: Table
+    table: Table  # fitted on `ramps` and on coasts
     ramps: Sequence[Log]
-    results: tuple[Validation, ...]
+    results: tuple[Validation, ...]  # of the hold-outs in their order
     limits: Sequence[Limit]
-    golden: Stored | None = None
-    accepted: str = ""
-    by: str = ""
-    limits_file: str = ""
+    golden: Stored | None = None  # golden table of the model
+    accepted: str = ""  # why warnings are accepted; "" accepts none
+    by: str = ""  # who answers for the verdict; "" is the user of the computer
+    limits_file: str = ""  # name and digest of the file of `limits`; "" for default limits
 
     @property
     def identity(self) -> Identity:
@@ -159,10 +153,8 @@ class StationOutcome:
         return f", {CONSISTENT}" if self.passed and proof_of(self.results) == NONE else ""
 
     def decision(self, digest: str) -> StateDecision:
-        """Return the decision on the table's state; ``digest`` is that of `station.json`.
-
-        A table with warnings that nobody accepts stays a draft.
-        """
+        """Return the decision on the table's state; ``digest`` is that of `station.json`."""
+        # a table with warnings that nobody accepts stays a draft
         state = {PASSED: RELEASED, FAILED: REJECTED}.get(self.verdict, DRAFT)
         reason = f"{self.verdict} at the station{self._unproved}"
         if self.verdict == WARNING and self.accepted:
