@@ -132,13 +132,6 @@ class NotFiniteError(InputError):
     """A computed number is not finite, so that nothing can be concluded."""
 
 
-def not_finite(quantity: str, where: object) -> NotFiniteError:
-    """Return the error for a computed ``quantity`` that is not finite."""
-    flaw = f"{quantity} comes out as no finite number, so nothing is concluded from it"
-    do = "look at each log with `brake-cal check` and at the file with `brake-cal vehicle check`"
-    return NotFiniteError(flaw, where=where, expected="logs and a vehicle file of one car", do=do)
-
-
 class ProgramError(InputError):
     """A linked program is unreadable, or does not hold the exported table."""
 
@@ -189,6 +182,19 @@ class ProgramFailure(BrakeCalError):
     exit_code = 6
 
 
+class AnswerError(BrakeCalError):
+    """The answer could not be written: the disk is full, or the stream is closed."""
+
+    exit_code = 5
+
+
+def not_finite(quantity: str, where: object) -> NotFiniteError:
+    """Return the error for a computed ``quantity`` that is not finite."""
+    flaw = f"{quantity} comes out as no finite number, so nothing is concluded from it"
+    do = "look at each log with `brake-cal check` and at the file with `brake-cal vehicle check`"
+    return NotFiniteError(flaw, where=where, expected="logs and a vehicle file of one car", do=do)
+
+
 def program_failure(error: BaseException) -> ProgramFailure:
     """Return the error that reports an exception which nobody caught."""
     if isinstance(error, MemoryError):
@@ -196,9 +202,3 @@ def program_failure(error: BaseException) -> ProgramFailure:
     text = f"{type(error).__name__}: {' '.join(str(error).split())[:200]}".removesuffix(": ")
     do = "run it again with -v to see where, and report it with the files"
     return ProgramFailure(f"the program itself failed: {text}", do=do)
-
-
-class AnswerError(BrakeCalError):
-    """The answer could not be written: the disk is full, or the stream is closed."""
-
-    exit_code = 5

@@ -1,4 +1,4 @@
-"""Settings of a project: `brake-cal.toml` in the working folder, or in the nearest one above it."""
+"""Settings of a project: `brake-cal.toml` in the working folder or the nearest folder above it."""
 
 import os
 from contextlib import suppress

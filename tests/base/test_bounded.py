@@ -18,7 +18,7 @@ def test_a_regular_file_is_read_through_links(tmp_path):
         assert file.read(2) == b"xx"
 
 
-def test_a_byte_more_is_refused_with_the_way_out(tmp_path, monkeypatch):
+def test_a_byte_more_is_refused_unless_the_variable_allows_it(tmp_path, monkeypatch):
     (tmp_path / "a").write_bytes(b"x" * 1001)
     with pytest.raises(OSError, match="BRAKE_CAL_MOST_SMALL"):
         read_bounded(tmp_path / "a", SMALL)
@@ -27,14 +27,14 @@ def test_a_byte_more_is_refused_with_the_way_out(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("written", ["many", "-1", "0", "nan", "inf"])
-def test_a_bound_that_is_no_size(monkeypatch, written):
+def test_a_variable_that_is_no_size_is_an_error(monkeypatch, written):
     monkeypatch.setenv("BRAKE_CAL_MOST_SMALL", written)
     with pytest.raises(SettingsError, match="is no size"):
         _ = SMALL.max_bytes
 
 
 def test_a_file_whose_size_its_system_does_not_know():
-    """Those of /proc have size 0."""
+    """Files of /proc have size 0."""
     assert os.stat("/proc/self/maps").st_size == 0
     with pytest.raises(OSError, match="more than"):
         read_bounded(Path("/proc/self/maps"), FileKind("small", 0.0001))
@@ -56,14 +56,14 @@ def listening(path):
         (lambda path: None, "No such file"),
     ],
 )
-def test_what_is_no_file(tmp_path, monkeypatch, make, message):
+def test_nodes_that_are_no_files_are_refused(tmp_path, monkeypatch, make, message):
     monkeypatch.chdir(tmp_path)
     make(tmp_path / "a")
     with pytest.raises(OSError, match=message):
         read_bounded(tmp_path / "a", SMALL)
 
 
-def test_as_an_error_of_the_program(tmp_path):
+def test_a_missing_file_is_an_error_of_the_program(tmp_path):
     with pytest.raises(LogError, match="no such file; expected a log"):
         bytes_of(tmp_path / "a", SMALL, LogError, "a log")
 

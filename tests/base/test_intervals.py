@@ -22,7 +22,7 @@ def test_second_differences_have_the_variance_of_their_parts():
         assert measured == pytest.approx(expected, abs=0.03)
 
 
-def test_noise_is_told_from_slow_motion_and_from_a_spike_also_where_a_line_joins_its_values():
+def test_white_noise_ignores_motion_and_a_spike_and_larger_lags_show_interpolated_noise():
     rng, t = np.random.default_rng(4), np.arange(2000) / 200
     x = 50.0 - 3.0 * t + 0.1 * rng.normal(size=t.size)
     x[1000] += 3.0
@@ -37,7 +37,7 @@ def test_noise_is_told_from_slow_motion_and_from_a_spike_also_where_a_line_joins
     ("x", "sigma", "spread"),
     [(0.05, 0.01, 0.1), (-0.03, 0.02, 0.06), (0.0, 0.03, 0.06), (0.3, 0.05, 0.1)],
 )
-def test_the_ratio_of_what_is_not_below_zero_is_an_integral(x, sigma, spread):
+def test_likelihood_ratio_is_an_integral_over_its_half_normal_prior(x, sigma, spread):
     def density(m):
         return 2.0 * norm.pdf(m, 0.0, spread) * norm.pdf(x, m, sigma)
 
@@ -46,6 +46,6 @@ def test_the_ratio_of_what_is_not_below_zero_is_an_integral(x, sigma, spread):
     assert likelihood_ratio(x, sigma, spread) == pytest.approx(ratio, rel=1e-6)
 
 
-def test_far_from_zero_nothing_overflows():
+def test_likelihood_ratio_does_not_overflow_far_from_zero():
     assert np.isfinite(likelihood_ratio(10.0, 0.01, 0.1))
     assert likelihood_ratio(-10.0, 0.01, 0.1) == 0.0

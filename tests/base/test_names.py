@@ -25,7 +25,7 @@ def test_channels_and_units_are_those_of_the_contract_in_its_order():
     rows = [tuple(line.split()) for line in CONTRACT.strip().splitlines()]
     actual = [(name, q.unit) for name, q in CHANNELS.items()]
     assert actual[: len(rows)] == rows
-    # what a gate may read, and what the balance takes out
+    # further channels
     assert actual[len(rows) :] == [
         ("steering", "rad"), ("T_drive_f", "N*m"), ("T_drive_r", "N*m"), ("abs_active", "1"),
     ]  # fmt: skip

@@ -3,15 +3,16 @@
 import pytest
 
 from calib.base.plain import METRICS, NBSP, metric_of
-from calib.estimation.metrics import METRICS as OF_STOPS
+from calib.estimation.metrics import METRICS as STOP_METRICS
 from calib.line.fleet.rows import Command, columns_of
-from calib.line.station.metrics import METRICS as OF_CAR
+from calib.line.station.metrics import METRICS as CAR_METRICS
 
 
 def test_every_metric_has_a_plain_name():
-    of_fleet = {c.name for x in Command for c in columns_of(x) if c.kind is float}
-    assert {*OF_CAR, *OF_STOPS, *of_fleet} <= {*METRICS}
-    assert not {*METRICS} & {shown.name for shown in METRICS.values()}
+    columns = [column for command in Command for column in columns_of(command)]
+    fleet_metrics = {column.name for column in columns if column.kind is float}
+    assert {*CAR_METRICS, *STOP_METRICS, *fleet_metrics} <= {*METRICS}
+    assert not {*METRICS} & {metric.name for metric in METRICS.values()}
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from calib.base.random_effects import normal_equivalent, quantile95, random_effe
 
 @pytest.mark.parametrize("freedom", [1, 2, 9, 200])
 @pytest.mark.parametrize("value", [-8.0, -1.0, 0.0, 0.3, 4.0])
-def test_a_sigma_is_as_rare_as_the_t_that_it_stands_for(freedom, value):
+def test_normal_equivalent_is_as_rare_as_t(freedom, value):
     sigma = normal_equivalent(value, freedom)
     assert norm.sf(abs(sigma)) == pytest.approx(t.sf(abs(value), freedom), rel=1e-9)
     assert math.copysign(1.0, sigma) == math.copysign(1.0, value)
@@ -20,7 +20,7 @@ def test_a_sigma_is_as_rare_as_the_t_that_it_stands_for(freedom, value):
 
 @pytest.mark.parametrize("k", [2, 5])
 @pytest.mark.parametrize("between", [0.0, 3.0])
-def test_the_mean_and_one_more_are_within_their_sigma(k, between):
+def test_intervals_of_mean_and_prediction_hold_95_percent(k, between):
     """In 4000 fleets, 95 % of the values are in the intervals, or more without scatter between."""
     rng = np.random.default_rng([k, int(between)])
     scatter, largest_share = np.hypot(between, 1.0), 0.96 if between else 0.995

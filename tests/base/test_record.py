@@ -112,6 +112,6 @@ def test_a_message_lists_a_hundred_mistakes_and_counts_the_rest(tmp_path):
     assert lines[-1] == "  and 200 more"
 
 
-def test_a_misspelt_schema_is_an_error_with_words():
+def test_a_misspelt_schema_key_is_an_error():
     with pytest.raises(LimitsError, match="no schema"):
         validated({"schem": 1, "name": "a"}, CarFile, "car", LimitsError)

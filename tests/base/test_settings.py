@@ -78,7 +78,7 @@ def test_every_key_is_read_and_paths_lead_from_the_file(written):
           for other in (KEY[:-1], KEY + "A", "R" + KEY[1:-1], KEY.lower())),
     ],
 )  # fmt: skip
-def test_a_table_is_a_name_or_a_path_and_what_is_no_key_is_a_path(written, text, key, means):
+def test_golden_is_a_name_or_a_path_and_public_a_key_or_a_path(written, text, key, means):
     assert Path(read_settings(written(f"schema = 1\n{text}\n"))[key]) == Path(means)
 
 

@@ -66,7 +66,7 @@ def test_spellings_mean_the_same(variant, plain, si):
         ("km/h", "rad/s", ("speed", "angular speed")),
     ],
 )
-def test_refuses_what_it_does_not_know(unit, si, words):
+def test_unknown_units_and_units_of_other_quantities_are_refused(unit, si, words):
     with pytest.raises(UnknownUnit) as error:
         to_si(1.0, unit, si)
     assert all(word in str(error.value) for word in words)

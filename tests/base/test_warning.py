@@ -31,7 +31,7 @@ def test_a_bound_that_is_not_there_is_null(expected, words, ends):
 
 
 @pytest.mark.parametrize("code", [*UNITS, "valid_share"])
-def test_every_code_has_words(code):
+def test_every_code_has_a_title(code):
     """A title comes from the rule of the code, or else from its metric."""
     title = warning_of(code).title
     assert title

@@ -13,7 +13,6 @@ VERDICT = "verdict.json"
 
 
 def stale_files(out):
-    """Files that an earlier run may have left."""
     return ["old.txt", "sim/old.csv"]
 
 
@@ -103,7 +102,7 @@ def test_a_stale_name_cannot_lead_out_of_the_folder(out):
 
 
 @pytest.mark.parametrize("name", ["both.txt", "sim"])
-def test_what_is_in_the_way_is_found_before_anything_is_changed(tmp_path, name):
+def test_an_obstacle_is_reported_before_anything_is_changed(tmp_path, name):
     out = tmp_path / "out"
     run(out, "old", "1")
     if name == "sim":

@@ -18,9 +18,9 @@ VARIANCES = st.dictionaries(st.sampled_from(PARTS), st.floats(0.0, 1e-2), max_si
 def test_parts_add_up_to_the_variance(level, ratio):
     axles = axle_parts(VEHICLE, 0.1, level, ratio)
     squares = [sum(x**2 for x in parts.values()) for parts in axles]
-    levers = [math.sqrt(max(square - sum(level.values()), 0.0)) for square in squares]
-    # the levers of both axles are the shares of the brake force, whose sum is 1
-    assert sum(levers) == pytest.approx(math.sqrt(sum(ratio.values())), abs=1e-7)
+    by_ratio = [math.sqrt(max(square - sum(level.values()), 0.0)) for square in squares]
+    # an axle takes the share of the other axle in the brake force, and the shares make 1
+    assert sum(by_ratio) == pytest.approx(math.sqrt(sum(ratio.values())), abs=1e-7)
     assert all(x > 0.0 for parts in axles for x in parts.values())
 
 

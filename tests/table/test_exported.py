@@ -58,7 +58,7 @@ def test_breakpoints_stand_where_stops_are():
 
 
 @pytest.mark.parametrize("points", [2, 5, 9])
-def test_the_placement_of_least_squares_is_the_best_there_is(points):
+def test_no_other_weighted_placement_is_better(points):
     rng = np.random.default_rng(points)
     x, curves = np.sort(rng.random(11)), rng.normal(size=(6, 11)).cumsum(axis=1)
     weights = rng.random((6, 11))

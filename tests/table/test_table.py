@@ -27,7 +27,7 @@ def test_content_and_back_is_the_same_table(table):
             assert theirs == ours
 
 
-def test_keys_that_say_nothing_are_no_part_of_a_record(table):
+def test_empty_keys_are_left_out_of_a_record(table):
     record, _ = table.content()
     optional = {"own_effects", "empirical", "warnings", "spread"}
     assert not optional & set(record)

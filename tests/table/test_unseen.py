@@ -25,7 +25,7 @@ def entries(**options):
         ({"v": False, "mass": 0.004}, set()),
     ],
 )
-def test_what_a_speed_shows_is_not_on_the_list(options, shown):
+def test_entries_that_a_speed_shows_are_not_listed(options, shown):
     without_v = entries(v=False)
     assert {*without_v} - {*entries(**options)} == shown
     assert all(0.0 < entry.up_to <= 0.5 and entry.shown_by for entry in without_v.values())
@@ -47,7 +47,7 @@ def test_an_area_moves_the_pads_of_its_own_axle_alone():
 def test_loads_move_the_ratio_as_the_same_eta_demands(entry):
     share = front_share(VEHICLE, 0.0)
 
-    def unlike(share, car):
+    def difference(share, car):  # what eta fixes, by (22)
         front, rear = axle_loads(car, Z)
         return share / front - (1.0 - share) / rear
 
@@ -56,7 +56,8 @@ def test_loads_move_the_ratio_as_the_same_eta_demands(entry):
     if entry == "cg_to_front_axle":  # the wheelbase stays
         changed["cg_to_rear_axle"] = VEHICLE.cg_to_rear_axle - step * VEHICLE.cg_to_front_axle
     other = replace(VEHICLE, **changed)
-    moved = brentq(lambda x: unlike(x, other) - unlike(share, VEHICLE), 0.1, 0.99, xtol=1e-14)
+    of_eta = difference(share, VEHICLE)
+    moved = brentq(lambda x: difference(x, other) - of_eta, 0.1, 0.99, xtol=1e-14)
     ratio = (moved - share) / (share * (1.0 - share)) / step
     moved_entry = entries(v=True)[entry]
     assert moved_entry.front - moved_entry.rear == pytest.approx(ratio, rel=1e-2)
