@@ -1,6 +1,6 @@
 """The curves of a table with their 95 % bands: D(eta), f1(eta) and f2(eta), g(slip).
 
-A row is made of the blocks, means over 50 ms, whose eta or slip is in its cell.
+Rows are medians and quantiles of the posterior, in equal steps. A block is a mean over 50 ms.
 """
 
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ class DifferenceCurve:
     D: Array
     lower: Array  # lower end of the 95 % band
     upper: Array
-    count: Array  # number of blocks of the row
+    count: Array  # number of measured blocks within 1.5 steps of the row
     flag: Array  # one of the flags above
     own: Array  # share of the variance that differs from run to run of a car; 0 in a mean of cars
 
@@ -44,12 +44,11 @@ class DifferenceCurve:
 class PaperCurves:
     """f1, f2 of (11), (12) and Fig. 6 over eta, where they are single-valued. Shapes (n,), all [1].
 
-    ``z`` is the deceleration of the ramp at that eta; the other columns are as in
-    `DifferenceCurve`. (18) holds in every row.
+    (18) holds in every row. Columns are as in `DifferenceCurve`.
     """
 
     eta: Array
-    z: Array
+    z: Array  # deceleration of the ramp at this eta
     f1: Array
     f1_lower: Array
     f1_upper: Array

@@ -27,6 +27,7 @@ def violations(table: Table) -> tuple[str, ...]:
 
 
 def _parts(table: Table) -> Iterator[tuple[str, dict[str, Array]]]:
+    """Yield the name and the columns of each curve and map, and of the draws."""
     for name in COLUMNS:
         yield name, columns(getattr(table, name))
 

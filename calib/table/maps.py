@@ -121,10 +121,10 @@ class PadMap(Map):
 
     shift: Array  # (eta - 1)/z
     slip: Array  # ln(slip/z) less `log_slip`, over `log_slip_sigma`
-    ratio: Array  # ln of front over rear pad friction, relative to the vehicle file
+    ratio: Array  # ln of front over rear brake force, relative to the file's pads at one pressure
     ratio_lower: Array
     ratio_upper: Array
-    change: Array  # as `ratio`, relative to the ramp
+    change: Array  # ln of front over rear pad friction, relative to the ramp
     change_lower: Array
     change_upper: Array
     log_slip: Array  # mean of ln(slip/z) at this z and shift
