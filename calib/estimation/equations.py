@@ -7,8 +7,9 @@
 
 d is the brake force that the deceleration demands, u that of the nominal pads behind a lag of first
 order, both over the weight. d_0 is d while nothing brakes: rolling resistance, bias of a_x, pitch
-at rest. Without v only the wheels measure the speed: a difference from a_x that remains at low
-speed is an error of a_x, no slip. (S1) to (S16) are on `calib/manual/step.md`.
+at rest. The functions call d - d_0, the brake force of a block, y. Without v only the wheels
+measure the speed: a difference from a_x that remains at low speed is an error of a_x, no slip.
+(S1) to (S16) are on `calib/manual/step.md`.
 """
 
 import math
@@ -148,20 +149,20 @@ def brake_line_lag(c: Constants, s: State, nominal: float) -> None:
     s.nominal = nominal
 
 
-def force_variance(c: Constants, s: State, x: Sample[float]) -> float:
-    """Innovation variance of the brake force: by states, noise, road, and force still to come."""
+def force_variance(c: Constants, s: State, x: Sample[float], y: float) -> float:
+    """Innovation variance of the brake force ``y``: by states, noise, road, and force to come."""
     f: LevelFilter = s.level
     h, k = s.acting, f.level * s.by_lag
-    rough, to_come = c.r_level * (x.demand - s.demand.value), c.r_lag * f.level * (x.nominal - h)
+    rough, to_come = c.r_level * y, c.r_lag * f.level * (x.nominal - h)
     of_states = h * (h * f.var_level + 2.0 * k * f.cov_level_lag) + k * k * s.lag.variance
     return of_states + c.var_z + rough**2 + to_come**2
 
 
-def update_level(c: Constants, s: State, x: Sample[float]) -> None:
-    """Update level and lag by the brake force of a block, and the means for the map."""
+def update_level(c: Constants, s: State, x: Sample[float], y: float) -> None:
+    """Update level and lag by the brake force ``y`` of a block, and the means for the map."""
     f: LevelFilter = s.level
     m: Means = s.means
-    y, dt = x.demand - s.demand.value, c.block
+    dt = c.block
     f.level += f.rate * dt
     f.var_level += dt * (2.0 * f.cov_level_rate + dt * f.var_rate)
     f.var_level += c.walk_level * f.level**2
@@ -172,7 +173,7 @@ def update_level(c: Constants, s: State, x: Sample[float]) -> None:
     p_level = h * f.var_level + k * f.cov_level_lag
     p_lag = h * f.cov_level_lag + k * s.lag.variance
     p_rate = h * f.cov_level_rate + k * f.cov_lag_rate
-    spread = force_variance(c, s, x)
+    spread = force_variance(c, s, x, y)
     residual = y - f.level * h
     nis = min(residual**2 / spread, c.most_chatter)
     s.check.chatter += c.share_chatter * (nis - s.check.chatter)
@@ -253,21 +254,15 @@ def reset_speed(c: Constants, s: State) -> None:
     e.v, e.slip, e.offset, e.scale, e.error = 0.0, 0.0, 0.0, 0.0, 0.0
 
 
-def unexplained(c: Constants, s: State, x: Sample[float]) -> float:
-    """Brake force that the earlier level does not explain: other pads, or an error of a_x."""
-    force = x.demand - s.demand.value - s.check.level * s.acting
-    return force if abs(force) > c.unexplained else 0.0
-
-
 def motor_fits(c: Constants, s: State, x: Sample[float], *, counts: bool) -> bool:
     """Whether a change of a motor's torque shows in the deceleration.
 
     A wrong torque changes the demand by as much, which the brakes do not explain.
     """
     e: Check = s.check
-    step = x.drive - e.drive
-    likely = step * (x.demand - s.demand.value - s.level.level * s.acting - 0.5 * step)
-    spread = force_variance(c, s, x) + s.demand.variance
+    step, y = x.drive - e.drive, x.demand - s.demand.value
+    likely = step * (y - s.level.level * s.acting - 0.5 * step)
+    spread = force_variance(c, s, x, y) + s.demand.variance
     fits = not counts or abs(step) < c.unexplained or likely < c.errs * spread
     e.failing = 2.0
     if fits:
@@ -298,10 +293,9 @@ def check_a_x(c: Constants, s: State) -> None:
         s.anchored = False
 
 
-def check_states(c: Constants, s: State, x: Sample[float], *, braking: bool, counts: bool) -> None:
+def check_states(c: Constants, s: State, y: float, *, braking: bool, counts: bool) -> None:
     """Check innovations and states for plausibility; follow the level before a step."""
     e: Check = s.check
-    y = x.demand - s.demand.value
     check_a_x(c, s)
     if braking and counts and not s.errs:
         e.level += (s.level.level - e.level) * c.block / min(s.braked + c.block, c.usual_level)
@@ -323,8 +317,13 @@ def check_states(c: Constants, s: State, x: Sample[float], *, braking: bool, cou
         s.checks += 16.0
 
 
-def predict(c: Constants, s: State, x: Sample[float], bends: float, *, braking: bool) -> None:
-    """Predict the speed by a_x; ``bends`` is the change of the mean deceleration [1]."""
+def predict(
+    c: Constants, s: State, x: Sample[float], y: float, bends: float, *, braking: bool
+) -> None:
+    """Predict the speed by a_x; ``bends`` is the change of the mean deceleration [1].
+
+    A brake force ``y`` that the earlier level does not explain comes of other pads, or of a_x.
+    """
     f: SpeedFilter = s.speed
     rims = rim_speed(s, x)
     if not s.anchored:  # else a new zero of eta would look like a jump of speed
@@ -339,7 +338,8 @@ def predict(c: Constants, s: State, x: Sample[float], bends: float, *, braking: 
         by_offset, by_scale = c.speed * (1.0 - f.scale), lost
         f.v += lost * f.scale
     e: Check = s.check
-    errs = unexplained(c, s, x)
+    errs = y - e.level * s.acting
+    errs = errs if abs(errs) > c.unexplained else 0.0
     e.v += by_offset * e.offset + by_scale * e.scale - 0.5 * by_offset * (errs + e.error)
     e.error = errs
     s.rim = rims
@@ -358,10 +358,10 @@ def predict(c: Constants, s: State, x: Sample[float], bends: float, *, braking: 
         e.slip = 0.0
 
 
-def update_wheels(c: Constants, s: State, x: Sample[float], *, braking: bool) -> None:
-    """Update speed, slip, offset and scale by the wheels."""
+def update_wheels(c: Constants, s: State, y: float, *, braking: bool) -> None:
+    """Update speed, slip, offset and scale by the wheels; ``y`` is the brake force."""
     e: Check = s.check
-    v, y, per_force = s.rim + s.speed.v, x.demand - s.demand.value, 0.0
+    v, per_force = s.rim + s.speed.v, 0.0
     if braking:
         per_force = math.exp(s.speed.slip)
     slip = per_force * max(y, 0.0)
@@ -375,21 +375,22 @@ def update_wheels(c: Constants, s: State, x: Sample[float], *, braking: bool) ->
 def step_filters(c: Constants, s: State, x: Sample[float], *, counts: bool) -> None:
     """Update the filters of brakes and speed by a block."""
     dt, braking, last_mean = c.block, x.pressure > c.bite, s.mean_z
+    y = x.demand - s.demand.value
     if braking:
         s.braked += dt
         s.released, s.share = 0.0, s.acting / x.nominal
         if counts:
-            update_level(c, s, x)
+            update_level(c, s, x, y)
     else:
         s.released += dt
         s.share = 1.0
         if s.braked > 0.0 and s.released > c.released:
             reset_stop(c, s)
             s.check.drive = x.drive  # no contradiction of a stop outlasts it
-    predict(c, s, x, abs(s.mean_z - last_mean), braking=braking)
+    predict(c, s, x, y, abs(s.mean_z - last_mean), braking=braking)
     if counts:
-        update_wheels(c, s, x, braking=braking)
-    check_states(c, s, x, braking=braking, counts=counts)
+        update_wheels(c, s, y, braking=braking)
+    check_states(c, s, y, braking=braking, counts=counts)
     s.z = x.z
 
 

@@ -194,8 +194,12 @@ static void answer_pads(bte_state *s, const bte_real level[], const bte_real rat
     bte_answers *y = &s->answers;
     const bte_real friction_f = c->pad_friction[BTE_FRONT], friction_r = c->pad_friction[BTE_REAR];
     bte_real front[ENDS], rear[ENDS], more_f[ENDS], more_r[ENDS];
-    for (unsigned k = 0; k < ENDS; k++) { /* ln of the friction of an axle over the level */
-        more_r[k] = -logarithm(c->share * exponential(ratio[k]) + (R(1.0) - c->share));
+    bte_real *pad_ratio = (bte_real *)&y->pad_ratio;
+    for (unsigned k = 0; k < ENDS; k++) {
+        const bte_real changed = exponential(ratio[k]);
+        pad_ratio[k] = friction_f / friction_r * changed;
+        /* ln of the friction of an axle over the level */
+        more_r[k] = -logarithm(c->share * changed + (R(1.0) - c->share));
         more_f[k] = ratio[k] + more_r[k];
         front[k] = level[k];
         rear[k] = level[k];
@@ -203,7 +207,6 @@ static void answer_pads(bte_state *s, const bte_real level[], const bte_real rat
     widen(front, more_f[MEDIAN], more_f[MEDIAN] - more_f[LOWER], more_f[MEDIAN] - more_f[UPPER]);
     widen(rear, more_r[MEDIAN], more_r[MEDIAN] - more_r[UPPER], more_r[MEDIAN] - more_r[LOWER]);
     scale(&y->pad_level, R(1.0), level);
-    scale(&y->pad_ratio, friction_f / friction_r, ratio);
     scale(&y->pad_friction_f, friction_f, front);
     scale(&y->pad_friction_r, friction_r, rear);
 }
