@@ -43,8 +43,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     static bte_state s;
     if (bte_init(&s, BTE_VECTORS_CAR) != BTE_READY) { abort(); }
     for (uint32_t k = 0; k < BTE_VECTORS_COUNT; k++) {
-        bte_real x[BTE_INPUTS];
-        for (unsigned i = 0; i < BTE_INPUTS; i++) { x[i] = bte_vectors_inputs[k][i]; }
+        bte_inputs in = bte_vectors_inputs[k];
+        bte_real *x = (bte_real *)&in;
         for (size_t f = 0; f + FAULT <= size; f += FAULT) {
             const uint8_t *of = data + f;
             const uint32_t begin = of[0] * BTE_VECTORS_COUNT / 256U, lasts = 1U + of[4] * of[4] / 64U;
@@ -56,12 +56,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
                     if (!bte_resume(&s, BTE_VECTORS_CAR)) { abort(); }
                 } else if (of[1] % 13U < 11U) {
                     const unsigned i = of[1] % 13U;
-                    x[i] = spoilt(x[i], of[2], of[3], bte_vectors_inputs[begin][i]);
+                    const bte_real *first = (const bte_real *)&bte_vectors_inputs[begin];
+                    x[i] = spoilt(x[i], of[2], of[3], first[i]);
                 }
             }
         }
-        bte_inputs in;
-        __builtin_memcpy(&in, x, sizeof in);
         check(&s, bte_step(&s, &in));
     }
     return 0;

@@ -49,15 +49,16 @@ __attribute__((noinline)) static bte_reason measured(bte_state *s, const bte_inp
 extern const bte_car bte_car_sedan_2up;
 
 int main(void) {
-    static bte_real samples[MOST * BTE_INPUTS], rows[MOST * BTE_ROW];
+    static bte_inputs samples[MOST];
+    static bte_row rows[MOST];
     FILE *in = fopen("samples.bin", "rb"), *out = fopen("answers.bin", "wb");
-    const size_t count = fread(samples, BTE_INPUTS * sizeof *samples, MOST, in);
+    const size_t count = fread(samples, sizeof *samples, MOST, in);
     bte_run(&bte_car_sedan_2up, samples, (uint32_t)count, rows);
-    fwrite(rows, BTE_ROW * sizeof *rows, count, out);
+    fwrite(rows, sizeof *rows, count, out);
 #ifdef SECOND
     extern const bte_car SECOND; /* of another car, with the same code */
     bte_run(&SECOND, samples, (uint32_t)count, rows);
-    fwrite(rows, BTE_ROW * sizeof *rows, count, out);
+    fwrite(rows, sizeof *rows, count, out);
 #endif
     fclose(in);
     fclose(out);

@@ -23,14 +23,16 @@ static const bte_real GRAVITY = R(9.80665), Z95 = R(1.96), LN2_HIGH = R(0.693145
 #endif
 CALLED static bte_real largest(bte_real a, bte_real b) { return a > b ? a : b; }
 CALLED static bte_real smallest(bte_real a, bte_real b) { return a < b ? a : b; }
-static bte_real clip(bte_real x, bte_real a, bte_real b) { return smallest(largest(x, a), b); }
+static bte_real clip(bte_real x, bte_real low, bte_real high) {
+    return smallest(largest(x, low), high);
+}
 static bte_real square(bte_real x) { return x * x; }
 
-/* exp(x) by its series, since C libraries differ in the last digits. */
+/* exp(x) = 2^k exp(x - k ln 2) by its series, since C libraries differ in the last digits. */
 static bte_real exponential(bte_real x) {
     const bte_real clipped = clip(x, -R(LARGEST), R(LARGEST));
-    const bte_real turns = clipped / (LN2_HIGH + LN2_LOW);
-    const int k = (int)(turns + (R(LARGEST) + R(0.5))) - LARGEST; /* the nearest */
+    const bte_real power = clipped / (LN2_HIGH + LN2_LOW);
+    const int k = (int)(power + (R(LARGEST) + R(0.5))) - LARGEST; /* the nearest integer */
     const bte_real residual = (clipped - (bte_real)k * LN2_HIGH) - (bte_real)k * LN2_LOW;
     bte_real sum = R(1.0);
     for (int n = TERMS; n > 0; n--) {
@@ -39,13 +41,13 @@ static bte_real exponential(bte_real x) {
     return MATH(ldexp)(sum, k);
 }
 
-/* ln(x) by the series of 2 artanh(f); it needs fewer terms than exp. */
+/* ln(x) of x = 2^k m, by the series of ln(m) = 2 artanh(f); it needs fewer terms than exp. */
 static bte_real logarithm(bte_real x) {
     int k = 0;
     bte_real m = MATH(frexp)(x, &k), sum = R(0.0);
     if (m <= R(0.70710678118654755)) {
-        m = R(2.0) * m;
-        k = k - 1;
+        m *= R(2.0);
+        k--;
     }
     const bte_real f = (m - R(1.0)) / (m + R(1.0)), f2 = f * f;
     for (int n = 2 * TERMS - 7; n > 0; n -= 2) {
@@ -57,7 +59,8 @@ static bte_real logarithm(bte_real x) {
 /* An interval inside this file: an array of a median, its lower and its upper bound. */
 enum { MEDIAN, LOWER, UPPER, ENDS };
 
-/* Move an interval up `by` a number, and add `more` to the distances of its bounds, as squares. */
+/* Add `by` to an interval, and `more` to the distances of its bounds from the median: the square of
+ * a distance is then the sum of both squares. */
 static void widen(bte_real x[], bte_real by, bte_real more_lower, bte_real more_upper) {
     const bte_real below = x[LOWER] - x[MEDIAN], above = x[UPPER] - x[MEDIAN];
     x[MEDIAN] += by;
@@ -160,27 +163,30 @@ static void blend(bte_real x[], const bte_real y[], bte_real share) {
     }
 }
 
-/* Return the held ratio with bounds that a variance widens. */
+/* Return the held ratio, which is ln of that of the pads, with bounds that a variance widens. */
 static void held_ratio(const bte_state *state, bte_real variance, bte_real ratio[]) {
     const bte_real more = Z95 * MATH(sqrt)(variance);
     (void)memcpy(ratio, state->ratio, sizeof state->ratio);
     widen(ratio, R(0.0), more, more);
 }
 
-/* Blend `ratio` into the held one by its information, and return the result in `ratio`. */
+/* Blend a reading of the ratio into the held one by its width, and return the result in it. A stop
+ * that `is_new` replaces the held ratio; otherwise the reading counts where it `adds`. */
 static void best_ratio(bte_state *state, bte_real ratio[], bte_real level, bool is_new, bool adds) {
     BTE_CAL bte_numbers *c = state->car->numbers;
     bte_filters *s = &state->filters;
     bte_real held[ENDS];
     s->age += c->block;
     held_ratio(state, held_variance(c, s, level), held);
-    const bte_real of_new = share_of(c, ratio[UPPER] - ratio[LOWER], held[UPPER] - held[LOWER]);
-    const bte_real share = is_new ? R(1.0) : adds ? of_new : R(0.0);
+    bte_real share = is_new ? R(1.0) : R(0.0);
+    if (adds && !is_new) {
+        share = share_of(c, ratio[UPPER] - ratio[LOWER], held[UPPER] - held[LOWER]);
+    }
     blend(state->ratio, ratio, share);
     held_ratio(state, reset_held(c, s, level, share), ratio);
 }
 
-/* y = by exp(ln). */
+/* Compute y = by exp(ln), an answer of an interval. */
 static void scale(bte_interval *y, bte_real by, const bte_real ln[]) {
     bte_real *ends = (bte_real *)y;
     for (unsigned k = 0; k < ENDS; k++) {
@@ -211,7 +217,7 @@ static void answer_pads(bte_state *s, const bte_real level[], const bte_real rat
     scale(&y->pad_friction_r, friction_r, rear);
 }
 
-/* y = by x. */
+/* Compute y = by x. */
 CALLED static void times(bte_interval *y, bte_real by, const bte_interval *x) {
     y->median = by * x->median;
     y->lower = by * x->lower;
@@ -231,7 +237,7 @@ static void answer_torques(bte_state *s) {
     times(&y->brake_torque_sum, sum / y->pad_level.median, &y->pad_level);
 }
 
-/* Checksum FNV-1a by words of 32 bits: a sum with one more word, one more number, more numbers. */
+/* Return the checksum FNV-1a, by words of 32 bits, of what `sum` has and of another word. */
 static uint32_t fnv_word(uint32_t sum, uint64_t word) {
     return (uint32_t)(((sum ^ (word & 0xFFFFFFFFU)) * 16777619U) & 0xFFFFFFFFU);
 }
@@ -251,9 +257,10 @@ static uint32_t fnv_reals(uint32_t sum, const volatile bte_real x[], uint32_t co
     return so_far;
 }
 
-/* Numbers of the filters that outlast a reset: values and variances of both zeros and the lag. */
+/* First numbers of the filters, which outlast a reset: both zeros and the lag, their variances. */
 enum { LASTING = 6 };
 
+/* Return the checksum of what outlasts a reset. */
 CALLED static uint32_t seal_of(const bte_state *s) {
     const bte_real *lasting = (const bte_real *)&s->filters;
     return fnv_reals(BTE_LAYOUT ^ (uint32_t)sizeof *s, lasting, LASTING);
@@ -315,11 +322,9 @@ static uint32_t take_sample(bte_state *s, const bte_inputs *inputs) {
     uint32_t failing = 0U;
     for (unsigned i = 0; i < (unsigned)BTE_INPUTS; i++) {
         const bool inside = x[i] >= c->low[i] && x[i] <= c->high[i];
-        const bool works = inside && !(s->started && MATH(fabs)(x[i] - s->raw[i]) > c->change[i]);
-        if (inside) {
-            s->raw[i] = x[i];
-        }
-        if (works) {
+        const bool jumps = s->started && MATH(fabs)(x[i] - s->raw[i]) > c->change[i];
+        s->raw[i] = inside ? x[i] : s->raw[i];
+        if (inside && !jumps) {
             last[i] = x[i];
         } else {
             failing |= (uint32_t)1U << i;
@@ -502,12 +507,11 @@ static uint32_t checksum(const bte_car *car) {
 
 bte_status bte_init(bte_state *s, const bte_car *car) {
     bte_status status = BTE_REFUSED;
+    (void)memset(s, 0, sizeof *s);
     if (is_taken(car)) {
         begin(s, car);
         s->seal = seal_of(s);
         status = checksum(car) == car->checksum ? BTE_READY : BTE_CALIBRATED;
-    } else {
-        (void)memset(s, 0, sizeof *s);
     }
     return status;
 }
@@ -532,9 +536,7 @@ static bte_reason step(bte_state *s, const bte_inputs *x) {
     bte_sums_of_block *sum = &s->sum;
     s->started = true;
     s->worst = disturbed > s->worst ? disturbed : s->worst;
-    if (!fine) {
-        s->failed = true;
-    }
+    s->failed = s->failed || !fine;
     if (last->driven > R(0.5)) {
         s->driven = true;
     }

@@ -6,23 +6,22 @@
  *
  *     bte_run stop.csv > answers.csv
  */
-#include <string.h>
-
 #include "bte.h"
 
-enum { BTE_ROW = 1 + (int)(sizeof(bte_answers) / sizeof(bte_real)) }; /* the reason, the answers */
+typedef struct {
+    bte_real reason;
+    bte_answers answers;
+} bte_row;
 
-void bte_run(const bte_car *car, const bte_real *samples, uint32_t count, bte_real *rows);
+enum { BTE_ROW = (int)(sizeof(bte_row) / sizeof(bte_real)) }; /* numbers of a row */
 
-/* Run `count` rows of inputs from the start into rows of answers. */
-void bte_run(const bte_car *car, const bte_real *samples, uint32_t count, bte_real *rows) {
+/* Begin anew, and answer `count` samples. */
+void bte_run(const bte_car *car, const bte_inputs samples[], uint32_t count, bte_row rows[]) {
     static bte_state state;
     (void)bte_init(&state, car);
     for (uint32_t i = 0; i < count; i++) {
-        bte_inputs x;
-        (void)memcpy(&x, &samples[i * BTE_INPUTS], sizeof x);
-        rows[i * BTE_ROW] = (bte_real)bte_step(&state, &x);
-        (void)memcpy(&rows[i * BTE_ROW + 1U], &state.answers, sizeof state.answers);
+        rows[i].reason = (bte_real)bte_step(&state, &samples[i]);
+        rows[i].answers = state.answers;
     }
 }
 
@@ -30,24 +29,26 @@ void bte_run(const bte_car *car, const bte_real *samples, uint32_t count, bte_re
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "bte_vectors.h"
 
-enum { LINE = 65536, CELLS = 1024, REFUSED = 2 };
+enum { LINE = 65536, CELLS = 1024, REFUSED = 2 }; /* most of a file; the exit code */
 
 /* Compare the answers at the ends of the blocks with those of Python; 1 if they differ. */
 static int compare(void) {
-    static bte_real rows[BTE_VECTORS_COUNT * BTE_ROW];
+    static bte_row rows[BTE_VECTORS_COUNT];
     unsigned wrong = 0U;
     double worst = 0.0;
-    bte_run(BTE_VECTORS_CAR, &bte_vectors_inputs[0][0], BTE_VECTORS_COUNT, rows);
-    for (uint32_t i = 0; i < BTE_VECTORS_COUNT / BTE_VECTORS_EVERY * BTE_ROW; i++) {
-        const uint32_t end = (i / BTE_ROW + 1U) * BTE_VECTORS_EVERY - 1U;
-        const double right = (double)bte_vectors_answers[i / BTE_ROW][i % BTE_ROW];
-        const double answer = (double)rows[end * BTE_ROW + i % BTE_ROW];
-        const double apart = fabs(answer - right) / fmax(right, 1e-6); /* of reasons 0.1 or more */
-        wrong += !(apart <= BTE_VECTORS_TOLERANCE);
-        worst = fmax(worst, apart);
+    bte_run(BTE_VECTORS_CAR, bte_vectors_inputs, BTE_VECTORS_COUNT, rows);
+    for (uint32_t i = 0; i < BTE_VECTORS_COUNT / BTE_VECTORS_EVERY; i++) {
+        const bte_real *row = (const bte_real *)&rows[(i + 1U) * BTE_VECTORS_EVERY - 1U];
+        for (unsigned k = 0; k < BTE_ROW; k++) {
+            const double right = (double)bte_vectors_answers[i][k];
+            const double apart = fabs((double)row[k] - right) / fmax(right, 1e-6);
+            wrong += !(apart <= BTE_VECTORS_TOLERANCE);
+            worst = fmax(worst, apart);
+        }
     }
     printf("%u samples: largest difference %.3g, %u beyond %g\n", BTE_VECTORS_COUNT, worst, wrong,
            BTE_VECTORS_TOLERANCE);
@@ -74,7 +75,7 @@ static int split(char *line, char *cell[CELLS]) {
     return count;
 }
 
-/* Return the place of a column; -1 if there is none, -2 if it has another unit. */
+/* Return the place of a column by its name and unit; -1 without one, -2 with another unit. */
 static int place_of(char *const cell[], int count, const char *column) {
     const size_t name = strcspn(column, " ");
     for (int k = 0; k < count; k++) {
@@ -85,12 +86,12 @@ static int place_of(char *const cell[], int count, const char *column) {
     return -1;
 }
 
-static void print_row(const bte_state *s, double time) {
-    bte_real y[BTE_ROW - 1];
-    (void)memcpy(y, &s->answers, sizeof y);
-    printf("%.17g,%u", time, (unsigned)s->reason);
+/* Take in a sample, and print its row. */
+static void print_row(bte_state *s, double time, const bte_inputs *x) {
+    const bte_real *answers = (const bte_real *)&s->answers;
+    printf("%.17g,%u", time, (unsigned)bte_step(s, x));
     for (int k = 0; k < BTE_ROW - 1; k++) {
-        printf(",%.9g", (double)y[k]);
+        printf(",%.9g", (double)answers[k]);
     }
     printf("\n");
 }
@@ -99,6 +100,8 @@ static void print_row(const bte_state *s, double time) {
 static int run_file(const char *path) {
     static char line[LINE];
     static bte_state state;
+    static bte_inputs sample, gap;
+    bte_real *x = (bte_real *)&sample, *missing = (bte_real *)&gap;
     char *cell[CELLS];
     int place[BTE_INPUTS];
     const double step = (double)BTE_VECTORS_CAR->numbers->sample_time;
@@ -112,6 +115,7 @@ static int run_file(const char *path) {
         return refuse(path, "no column time [s]", "");
     }
     for (int i = 0; i < BTE_INPUTS; i++) {
+        missing[i] = (bte_real)NAN;
         place[i] = place_of(cell, columns, bte_vectors_columns[i]);
         if (place[i] == -2 || (place[i] < 0 && i < BTE_VECTORS_NEEDED)) {
             return refuse(path, "no column ", bte_vectors_columns[i]);
@@ -120,8 +124,6 @@ static int run_file(const char *path) {
     printf("%s\n", bte_vectors_header);
     (void)bte_init(&state, BTE_VECTORS_CAR);
     for (unsigned rows = 0; fgets(line, LINE, file) != NULL; rows++) {
-        bte_inputs x;
-        bte_real row[BTE_INPUTS];
         const int count = split(line, cell);
         const double time = time_place < count ? strtod(cell[time_place], NULL) : -1.0;
         const double steps = rows == 0U ? 1.0 : (time - last) / step;
@@ -129,20 +131,14 @@ static int run_file(const char *path) {
         if (!(steps > 0.75 && (rows > 1U || steps < 1.25))) {
             return refuse(path, "its rate is not the `sample_time` of the code", "");
         }
-        for (int i = 0; i < BTE_INPUTS; i++) {
-            row[i] = (bte_real)NAN;
-        }
-        (void)memcpy(&x, row, sizeof x);
         for (double k = 1.0; k < fmin(floor(steps + 0.5), 10.0 / step); k += 1.0) {
-            (void)bte_step(&state, &x);
+            (void)bte_step(&state, &gap);
         }
         for (int i = 0; i < BTE_INPUTS; i++) {
             const char *text = place[i] >= 0 && place[i] < count ? cell[place[i]] : "0";
-            row[i] = *text == '\0' ? (bte_real)NAN : (bte_real)strtod(text, NULL);
+            x[i] = *text == '\0' ? (bte_real)NAN : (bte_real)strtod(text, NULL);
         }
-        (void)memcpy(&x, row, sizeof x);
-        (void)bte_step(&state, &x);
-        print_row(&state, time);
+        print_row(&state, time, &sample);
         last = time;
     }
     return fclose(file) != 0;

@@ -72,5 +72,3 @@ static void model_step(model *m, double x[], bool first) {
         }
     }
 }
-
-static void model_moved(model *m) { (void)m; }

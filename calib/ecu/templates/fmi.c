@@ -1,6 +1,7 @@
-/* An FMU for co-simulation in FMI {{ version }}, with the headers of the tool that compiles it; more
- * functions are in fmi2.h or fmi3.h. estimator.h or car.h has model_step(state, numbers, first):
- * its outputs after a sample time, or at first.
+/* An FMU for co-simulation in FMI {{ version }}, with the headers of the tool that compiles it.
+ *
+ * {{ of }}.h has the state of the model, and model_step(state, numbers, first), which writes
+ * the outputs after a sample time, or the first ones. fmi{{ version }}.h has what this version alone has.
  */
 #include <fmi{{ version }}Functions.h>
 #include <math.h>
@@ -12,7 +13,7 @@ extern const bte_car {{ data }};
 #define SAMPLE_TIME {{ step }} /* [s] */
 #define FMI(name) fmi{{ version }}##name
 
-/* References: inputs and parameters, which are GIVEN; outputs; time [s]; the reason. */
+/* References: the GIVEN inputs and parameters, the outputs, the time [s], the reason. */
 enum { {{ references }}, COUNT, GIVEN = {{ given }} };
 static const double first_numbers[COUNT] = { {{- first -}} };
 #include "{{ of }}.h"
@@ -20,7 +21,7 @@ static const double first_numbers[COUNT] = { {{- first -}} };
 typedef struct {
     double numbers[COUNT];
     model state;
-    void (*log)(void), *host; /* of the tool; its logger is of a type of the version */
+    void (*log)(void), *host; /* of the tool; the type of its logger is that of the version */
 } instance;
 
 static instance *new_instance(const char *token, void (*log)(void), void *host) {
@@ -32,7 +33,7 @@ static instance *new_instance(const char *token, void (*log)(void), void *host) 
     return x;
 }
 
-/* From `time` on by `length` [s], with the inputs held; NULL, or what is wrong and nothing done. */
+/* Go on from `time` by `length` [s], the inputs held. Return NULL, or what forbids it. */
 static const char *advance(instance *x, double time, double length) {
     const double exact = length / SAMPLE_TIME, steps = floor(exact + 0.5);
     if (!(steps > 0.0 && steps < 4e9 && fabs(exact - steps) < 1e-6)) {
@@ -49,62 +50,65 @@ static const char *advance(instance *x, double time, double length) {
 #pragma GCC diagnostic ignored "-Wunused-parameter" /* the parameters are those of the standard */
 #endif
 
-/* A function of the standard: it `does` something with the instance x, or says what is `wrong`. */
-#define DOES(name, parameters, does) \
+/* A function of the standard, whose body uses the instance x or says what is `wrong`. */
+#define FUNCTION(name, parameters, body) \
     FMI(Status) FMI(name) parameters { \
         instance *x = c; \
         const char *wrong = NULL; \
-        does; \
+        body; \
         if (wrong != NULL && x->log != NULL) { TELL(wrong); } \
         return wrong == NULL ? FMI(OK) : FMI(Error); \
     }
-#define CANNOT(name, parameters) DOES(name, parameters, wrong = "this function is not offered")
-#define ALONE (void *c)
-#define AND(type) (void *c, type value)
+#define ABSENT(name, parameters) FUNCTION(name, parameters, wrong = "it is not offered")
+/* Parameters: the instance alone, and with a value. */
+#define ONLY (void *c)
+#define WITH(type) (void *c, type value)
 
-/* It `copies` each of some variables, if the references of all are `right`. */
+/* A function of SOME variables. It runs `copy` for each, if `known` holds for all references. */
 #define SOME void *c, const uint32_t at[], size_t count
-#define BY SOME, const uint32_t by[], size_t bys, const double seed[]
-#define EACH(name, parameters, right, copies) \
-    DOES(name, parameters, \
-         for (size_t i = 0; i < count; i++) { wrong = (right) ? wrong : "no such variable"; } \
-         for (size_t i = 0; i < count && wrong == NULL; i++) { copies; })
-#define GET(of, right) EACH(Get##of, VALUES(FMI(of)), right, values[i] = x->numbers[at[i]])
-#define SET(of, right) EACH(Set##of, VALUES(const FMI(of)), right, x->numbers[at[i]] = values[i])
-#define HAS_NO(of) \
-    EACH(Get##of, VALUES(FMI(of)), false, ) EACH(Set##of, VALUES(const FMI(of)), false, )
+#define SEEDS SOME, const uint32_t by[], size_t bys, const double seed[]
+#define FOR_EACH(name, parameters, known, copy) \
+    FUNCTION(name, parameters, \
+         for (size_t i = 0; i < count; i++) { wrong = (known) ? wrong : "no such variable"; } \
+         for (size_t i = 0; i < count && wrong == NULL; i++) { copy; })
+#define GET(type, known) \
+    FOR_EACH(Get##type, VALUES(FMI(type)), known, values[i] = x->numbers[at[i]])
+#define SET(type, known) \
+    FOR_EACH(Set##type, VALUES(const FMI(type)), known, x->numbers[at[i]] = values[i])
+#define NONE_OF(type) \
+    FOR_EACH(Get##type, VALUES(FMI(type)), false, ) \
+    FOR_EACH(Set##type, VALUES(const FMI(type)), false, )
 
-#define BEGINS(name) DOES(name, (void *c, FMI(Boolean) tolerant, double tolerance, double time, \
-                                 FMI(Boolean) ends, double end), x->numbers[TIME] = time)
+#define SET_TIME(name) \
+    FUNCTION(name, (void *c, FMI(Boolean) tolerant, double tolerance, double time, \
+                    FMI(Boolean) ends, double end), x->numbers[TIME] = time)
 
-/* A state is a copy of the instance; where it is taken up again, the host is another. */
-#define KEEPS(State, Deserialize) \
-    DOES(Get##State, AND(void **), \
+/* The functions of states. A state is a copy of an instance, which another host may take up. */
+#define STATES(State, Deserialize) \
+    FUNCTION(Get##State, WITH(void **), \
          instance *copy = *value == NULL ? malloc(sizeof *x) : *value; \
-         if (copy == NULL) { wrong = "no memory for a state"; } else { *copy = *x; *value = copy; }) \
-    DOES(Set##State, AND(void *), take_up(x, value)) \
-    DOES(Free##State, AND(void **), free(*value); *value = NULL) \
-    DOES(Serialized##State##Size, (void *c, void *state, size_t *size), *size = sizeof *x) \
-    DOES(Serialize##State, (void *c, void *state, FMI(Byte) bytes[], size_t size), \
+         if (copy == NULL) { wrong = "no memory for a state"; } \
+         else { *copy = *x; *value = copy; }) \
+    FUNCTION(Set##State, WITH(void *), \
+         const instance *copy = value; \
+         (void)memcpy(x->numbers, copy->numbers, sizeof x->numbers); \
+         x->state = copy->state) \
+    FUNCTION(Free##State, WITH(void **), free(*value); *value = NULL) \
+    FUNCTION(Serialized##State##Size, (void *c, void *state, size_t *size), *size = sizeof *x) \
+    FUNCTION(Serialize##State, (void *c, void *state, FMI(Byte) bytes[], size_t size), \
          if (size < sizeof *x) { wrong = "the state is larger"; } \
          else { (void)memcpy(bytes, state, sizeof *x); }) \
-    DOES(Deserialize, (void *c, const FMI(Byte) bytes[], size_t size, void **state), \
+    FUNCTION(Deserialize, (void *c, const FMI(Byte) bytes[], size_t size, void **state), \
          instance *copy = *state == NULL ? malloc(sizeof *x) : *state; \
          if (copy == NULL || size != sizeof *x) { wrong = "no state of this FMU"; } \
          else { (void)memcpy(copy, bytes, sizeof *x); *state = copy; })
-
-static void take_up(instance *x, const instance *copy) {
-    (void)memcpy(x->numbers, copy->numbers, sizeof x->numbers);
-    x->state = copy->state;
-    model_moved(&x->state);
-}
 
 #include "fmi{{ version }}.h"
 
 const char *FMI(GetVersion)(void) { return FMI(Version); }
 void FMI(FreeInstance)(void *c) { free(c); }
-DOES(Reset, ALONE, memcpy(x->numbers, first_numbers, sizeof first_numbers);
-     model_step(&x->state, x->numbers, true))
-DOES(ExitInitializationMode, ALONE, model_step(&x->state, x->numbers, true))
-DOES(Terminate, ALONE, )
-DOES(SetDebugLogging, (void *c, FMI(Boolean) on, size_t n, const FMI(String) of[]), )
+FUNCTION(Reset, ONLY, memcpy(x->numbers, first_numbers, sizeof first_numbers);
+         model_step(&x->state, x->numbers, true))
+FUNCTION(ExitInitializationMode, ONLY, model_step(&x->state, x->numbers, true))
+FUNCTION(Terminate, ONLY, )
+FUNCTION(SetDebugLogging, (void *c, FMI(Boolean) on, size_t n, const FMI(String) of[]), )

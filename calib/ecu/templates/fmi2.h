@@ -9,19 +9,20 @@ void *fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2Strin
     void (*log)(void) = (void (*)(void))host->logger;
     return type == fmi2CoSimulation ? new_instance(guid, log, host->componentEnvironment) : NULL;
 }
-BEGINS(SetupExperiment)
-DOES(EnterInitializationMode, ALONE, )
-DOES(DoStep, (void *c, double time, double length, int forgets), wrong = advance(x, time, length))
+SET_TIME(SetupExperiment)
+FUNCTION(EnterInitializationMode, ONLY, )
+FUNCTION(DoStep, (void *c, double time, double length, int forgets),
+         wrong = advance(x, time, length))
 
 GET(Real, at[i] < REASON) SET(Real, at[i] < GIVEN)
 GET(Integer, at[i] == REASON) SET(Integer, false)
-HAS_NO(Boolean) HAS_NO(String)
+NONE_OF(Boolean) NONE_OF(String)
 
-KEEPS(FMUstate, DeSerializeFMUstate)
-CANNOT(GetDirectionalDerivative, (BY, double values[]))
-CANNOT(SetRealInputDerivatives, (SOME, const int order[], const double values[]))
-CANNOT(GetRealOutputDerivatives, (SOME, const int order[], double values[]))
+STATES(FMUstate, DeSerializeFMUstate)
+ABSENT(GetDirectionalDerivative, (SEEDS, double values[]))
+ABSENT(SetRealInputDerivatives, (SOME, const int order[], const double values[]))
+ABSENT(GetRealOutputDerivatives, (SOME, const int order[], double values[]))
 #define STATUS(type) (void *c, const fmi2StatusKind of, type *value)
-CANNOT(GetStatus, STATUS(fmi2Status)) CANNOT(GetStringStatus, STATUS(fmi2String))
-CANNOT(GetRealStatus, STATUS(double)) CANNOT(GetIntegerStatus, STATUS(int))
-CANNOT(GetBooleanStatus, STATUS(int)) CANNOT(CancelStep, ALONE)
+ABSENT(GetStatus, STATUS(fmi2Status)) ABSENT(GetStringStatus, STATUS(fmi2String))
+ABSENT(GetRealStatus, STATUS(double)) ABSENT(GetIntegerStatus, STATUS(int))
+ABSENT(GetBooleanStatus, STATUS(int)) ABSENT(CancelStep, ONLY)
