@@ -22,7 +22,7 @@ def need(
 ) -> ModuleType:
     """Import and return ``module``, which comes with the ``extra``.
 
-    If it is missing, raises ``error``, which says what to install to use the file ``where``.
+    If the module is missing, raises ``error``, which says what to install to use ``where``.
     """
     try:
         return import_module(module)

@@ -68,7 +68,7 @@ def second_differences(white: float, walk: float, turned: float) -> tuple[Array,
 
 
 def posterior(information: Array, side: Array, sigma: Array) -> tuple[Array, Array, Array]:
-    """Return means (..., n) and covariances (..., n, n) of n unknowns x, and their evidence (...).
+    """Return means (..., n) and covariances (..., n, n) of n unknowns x, and the evidence (...).
 
     ``information`` (..., n, n) and ``side`` (..., n) are the normal equations of the measurement,
     information x = side. The priors are independent and normal about zero, of ``sigma`` (..., n).

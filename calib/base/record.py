@@ -44,7 +44,7 @@ class Section(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
 
     written_as: ClassVar[str] = ""
-    """What a message expects in place of a value that is no table; by default ``[pads]``."""
+    """What a message expects instead of a value that is no table; if empty, ``[name]``."""
 
 
 class FileSchema(Section):

@@ -81,7 +81,7 @@ class Written(NamedTuple):
     fixed: Fixed | None = None
 
     @property
-    def read(self) -> Array:
+    def ecu_values(self) -> Array:
         """The numbers (n,) as an ECU reads them."""
         return self.values if self.fixed is None else self.fixed.values
 
@@ -138,7 +138,7 @@ class Precision:
         Raises ExchangeError if rounding makes two breakpoints equal.
         """
         written = self.numbers(values, origin)
-        if np.any(np.diff(written.read) <= 0.0):
+        if np.any(np.diff(written.ecu_values) <= 0.0):
             width, finer = f"{self.bits} bits", "more bits"
             if self.bits is None:
                 width, finer = "single precision", "double precision"
@@ -146,7 +146,7 @@ class Precision:
             expected, do = "an axis that increases strictly", f"take fewer points, or {finer}"
             raise ExchangeError(flaw, where=name, expected=expected, do=do)
         # C code searches an axis in floating point, so its axes are not integers
-        return Written(self.computed(written.read)) if self.code and self.bits else written
+        return Written(self.computed(written.ecu_values)) if self.code and self.bits else written
 
     def rows(self, name: str, x: Array, curves: Array) -> Index:
         """Return the rows of ``curves`` (k, n) over ``x`` (n,) to keep.
@@ -179,7 +179,7 @@ def written_map(whole: Map, how: Precision, label: str) -> WrittenMap:
     for i, (name, x) in enumerate(whole.axes.items()):
         values = x[_rows(whole, i, how.points)]
         axes[name] = how.wide.axis(f"{label}, {name}", values)
-    reduced = whole.on([axis.read for axis in axes.values()])
+    reduced = whole.on([axis.ecu_values for axis in axes.values()])
     columns = {name: how.numbers(getattr(reduced, name)) for name in whole.names}
     return WrittenMap(axes, columns, _misfit(whole, reduced))
 
@@ -233,8 +233,9 @@ def as_exported(table: Table, how: Precision) -> Table:
     for name in MAPS:
         whole = getattr(table, name)
         written = written_map(whole, how, name)
-        columns = {key: column.read for key, column in written.columns.items()}
-        maps[name] = whole.from_grids([axis.read for axis in written.axes.values()], **columns)
+        axes = [axis.ecu_values for axis in written.axes.values()]
+        columns = {key: column.ecu_values for key, column in written.columns.items()}
+        maps[name] = whole.from_grids(axes, **columns)
     return replace(
         table,
         paper=_curve(p, rows, how, "eta", 1.0, "f1", "f2"),
@@ -252,5 +253,6 @@ def _curve(
 ) -> _Curve:
     """Return ``rows`` of a curve; the axis and the columns ``names`` are as an ECU reads them."""
     columns = {name: column[rows] for name, column in vars(curve).items()}
-    read = {name: how.numbers(columns[name]).read for name in names}
-    return type(curve)(**{**columns, **read, axis: how.axis(axis, columns[axis], origin).read})
+    columns[axis] = how.axis(axis, columns[axis], origin).ecu_values
+    columns |= {name: how.numbers(columns[name]).ecu_values for name in names}
+    return type(curve)(**columns)

@@ -72,7 +72,7 @@ def test_an_axis_increases_or_is_refused(steps, bits):
     how = Precision(bits=bits)
     rounded = np.rint((eta - 1.0) * 2.0 ** how.numbers(eta, 1.0).fixed.shift)
     if np.all(np.diff(rounded) > 0):
-        assert np.all(np.diff(how.axis("eta", eta, 1.0).read) > 0)
+        assert np.all(np.diff(how.axis("eta", eta, 1.0).ecu_values) > 0)
     else:
         with pytest.raises(ExchangeError, match="become equal"):
             how.axis("eta", eta, 1.0)
