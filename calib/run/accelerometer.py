@@ -49,7 +49,7 @@ _ROLLING, _DRAG, _RESISTS = 0.011, 2.7e-5, 0.3
 """Resistance of a usual car over its weight: rolling [1], and by the speed squared [s^2/m^2] of
 0.66 m^2 and 1500 kg; their relative standard deviation [1]."""
 
-_LAG = 0.02  # sigma of the lag between v and a_x [s]; `acceleration_delay` finds larger ones
+_LAG = 0.02  # sigma of the lag between v and a_x [s]; `calib.plausibility` looks for larger ones
 _SECOND = 1.0  # time over which a_x and v are averaged [s]: the noise of v is then 0.002 g
 _MULTIPLE = 4  # number of blocks that are compared is a multiple: an end below 0.2 s is not used
 
@@ -121,8 +121,7 @@ def speed_evidence(
     Scale and lag are regressed on ``smooth`` z [1] (k,), if given, else on z.
     """
     last = (b.end.size - 1) // _MULTIPLE * _MULTIPLE
-    compared = _compared(b, b.z if smooth is None else smooth)
-    noise = density_z, density_v
+    compared, noise = _compared(b, b.z if smooth is None else smooth), (density_z, density_v)
     grades = (_against_speed(b.length, compared, last, walk, noise) for walk in (EVEN, CHANGING))
     return SpeedEvidence(b, last, density_z, tuple(grades))
 
@@ -136,7 +135,6 @@ def accelerometer(evidence: SpeedEvidence, unexplained: Array, sigma: Array) -> 
     rolling = _on_lead_in(evidence, unexplained, sigma)
     weighed = _mixture(evidence.grades, rolling, _CASES, SENSOR.a_x_scale.sigma)
     c, bias, _, drag = weighed.mean.tolist()
-    walk = float(weighed.weights[1::2].sum())
     return Accelerometer(
         scale=c,
         bias=bias,
@@ -144,7 +142,7 @@ def accelerometer(evidence: SpeedEvidence, unexplained: Array, sigma: Array) -> 
         variance_bias=float(weighed.covariance[1, 1]),
         covariance=float(weighed.covariance[0, 1]),
         drag=drag,
-        walk_probability=walk,
+        walk_probability=float(weighed.weights[1::2].sum()),
         disagreement=_disagreement(evidence.blocks, c, evidence.last),
     )
 
@@ -152,9 +150,9 @@ def accelerometer(evidence: SpeedEvidence, unexplained: Array, sigma: Array) -> 
 def other_scale(b: Blocks, density_z: float, density_v: float) -> float:
     """Return the scale c [1] of a wrong unit, clock or filter; 0 if a sensor's scale is likelier.
 
-    It is 0, too, without ``v`` or a braking. The noise of z, in the integral and in the factor of c
-    alike, looks like a scale of 1, so z is averaged over `_SECOND`. A walk would explain such a
-    scale and is excluded. The resistance is that of a usual car.
+    The result is 0, too, without ``v`` or a braking. The noise of z is in the integral and in the
+    factor of c, where it looks like a scale of 1, so z is averaged over `_SECOND`. A walk would
+    explain such a scale and is excluded. The resistance is that of a usual car.
     """
     if b.v is None or not np.any(np.maximum(b.p_f, b.p_r) > BITE):
         return 0.0
@@ -243,10 +241,7 @@ def _on_lead_in(evidence: SpeedEvidence, unexplained: Array, sigma: Array) -> tu
 
 
 def _mixture(
-    grades: tuple[_AgainstSpeed, ...],
-    rolling: tuple[float, float],
-    present: Mask,
-    scale: float,
+    grades: tuple[_AgainstSpeed, ...], rolling: tuple[float, float], present: Mask, scale: float
 ) -> Mixture:
     """Posterior of (c, bias, grade, drag), a mixture over the cases ``present`` (k, 4).
 

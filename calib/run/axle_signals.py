@@ -1,6 +1,6 @@
 """Axle signals of a log on one clock: pressures, deceleration, wheel speeds, v, and the lead-in.
 
-    log --signals--> Signals           with v, its delay corrected, and the lead-in
+    log --signals--> Signals           with the lead-in and with v, the delay of v corrected
     log --causal_signals--> Signals    as an ECU has them
 
 Wheel speeds of an axle are averaged left and right: steering and road crown cancel to first order.
@@ -30,9 +30,7 @@ _HELD = 0.06
 value is held in between, is late by half its step, and its steps are 1 % of the speed."""
 
 _SLOWING = 1.0  # deceleration at which a speed changes from sample to sample [m/s^2]
-
 _SHORT = 0.05  # width of the means of pressure and eta by which the lead-in is judged [s]
-
 _DISTURBED = 4.0
 """Deviation of eta from its usual value over its scatter [1] beyond which it is no noise: an engine
 still drives an axle, or a wheel runs over something."""
@@ -46,8 +44,8 @@ class AxleSignals:
 
     ``p_f``, ``p_r`` are pressures, of the wheels where logged, else of the master cylinder;
     ``drive_f``, ``drive_r`` torques of engine or motor [N m per axle], zero where not logged. ``z``
-    is the deceleration (5). ``v`` is the reference speed, its delay corrected; it is None if it is
-    not logged, held for longer than `_HELD`, or late by an uncertain time. ``speed`` is v, or that
+    is the deceleration (5). ``v`` is the reference speed, its delay corrected; None if ``v`` is not
+    logged, held for longer than `_HELD`, or late by an uncertain time. ``speed`` is v, or the speed
     of the rear wheels without v.
     """
 
@@ -101,13 +99,7 @@ def signals(log: Log, radius: float = NOMINAL_RADIUS) -> Signals:
     rolling &= is_rolling(trailing_mean(causal.z, samples_in(0.1, step))) & (speed > MOVING)
     rolling &= _undisturbed(eta_of(omega_f, omega_r), rolling, step)
     return replace(
-        causal,
-        omega_f=omega_f,
-        omega_r=omega_r,
-        v=v,
-        speed=speed,
-        lead_in=rolling,
-        delay=delay,
+        causal, omega_f=omega_f, omega_r=omega_r, v=v, speed=speed, lead_in=rolling, delay=delay
     )
 
 

@@ -65,8 +65,8 @@ def blocks(s: Signals, length: float = BLOCK) -> Blocks:
 
 
 def samples_of_block(sample_time: float, length: float = BLOCK) -> int:
-    """Samples of a block of about ``length`` [s], at least one: at 50 Hz two, at 150 Hz seven."""
-    # 0.45, not 0.5: no usual rate is near the edge of rounding then, so jitter changes no number
+    """Number of samples of a block of about ``length`` [s]: at 50 Hz two, at 150 Hz seven."""
+    # with 0.45, unlike 0.5, no usual rate is at the edge of rounding, where jitter would decide
     return max(1, int(length / sample_time + 0.45))
 
 

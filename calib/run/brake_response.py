@@ -2,16 +2,16 @@
 
     demanded brake force = level (1 + trend t) N(t - delay) + force [braked] - fading [slow] + rest
 
-N is the brake force of nominal pads; [braked] is 1 where the pads bite, [slow] rises from 0 to 1
-there while a motor hands over to the brakes before the car stands. ``force`` is positive for a
+N is the brake force of nominal pads; [braked] is 1 where the pads bite; [slow] rises there from 0
+to 1 while a motor hands over to the brakes, before the car stands. ``force`` is positive for a
 motor that brakes with the pedal, or a zero of the pressure that is too low, and negative for a
-threshold pressure. ``fading`` is the force that is lost if the driver does not press harder when
-the motor hands over: it is positive, also for a motor that follows the pedal. Fade of the pads is
-in the trend, a bias of the accelerometer or an unknown resistance in the rest. The delay is a shift
-or a first-order lag, whichever fits better; the response may also be wider than that.
+threshold pressure. ``fading`` is the motor's force that is lost when it hands over and the driver
+does not press harder: it is positive. Fade of the pads is in the trend, a bias of the accelerometer
+or an unknown resistance in the rest. The delay is a shift or a first-order lag, whichever fits
+better; the response may be wider than either.
 
-Not causal: it uses the whole run. Wrong where ABS or a valve limits the brake force: that looks
-like force without pressure.
+The whole run is used. Wrong where ABS or a valve limits the brake force: that looks like force
+without pressure.
 """
 
 from dataclasses import dataclass
@@ -44,8 +44,7 @@ _EARLIEST, _LATEST = -0.5, 0.5  # delays that are tried [s]: `pressure_delay` fi
 _LAGS = np.array([0.04, 0.08, 0.14, 0.22, 0.32, 0.44])  # time constants that are tried [s]
 _REFINED = 2  # Gauss-Newton steps of the delay
 _USUAL, _SPREAD = 0.02, 0.06
-"""Prior of the delay of brakes and filters, mean and standard deviation [s]: on a slow ramp a delay
-and a force are nearly collinear, and only the prior separates them."""
+"""Prior mean and sigma of the delay [s]: on a slow ramp the prior alone tells it from a force."""
 _WIDTH = 0.25
 """Prior sigma of half the variance of the response time, over the squared delay [1]: a first-order
 lag has 1/2, a shift 0. In a fast rise a wide response looks like a force."""
@@ -53,15 +52,15 @@ _FORCE = 0.05  # prior sigma of the force over the usual brake force [1]
 _FADING = 1.0  # prior sigma of the fading force over the usual brake force [1]: hardly informative
 _GROUP = 10  # means over which residuals are averaged to see how they are correlated: 0.2 s
 _LASTING = 1.3
-"""Factor on sigma for noise with a time constant of 0.1 s, over half a second, beyond what means
-over `_GROUP` show: 1/sqrt(1 - (1 - e^-2)/2), variance of the mean of a first-order process."""
-_AFTER = 0.5  # time after a release that is used [s]; later the engine may drive
-_BEFORE = 0.5  # time before the pressure rises that is used [s]: a late pressure rises after z
+"""Factor on sigma: noise with a time constant of 0.1 s lasts longer than the means over `_GROUP`
+show, 1/sqrt(1 - (1 - e^-2)/2) by the variance of the mean of a first-order process."""
+_BEFORE = 0.5  # time that is used before the pressure rises [s]: a late pressure rises after z
+_AFTER = 0.5  # time that is used after a release [s]: later the engine may drive
 _SLOW = 4.0  # speed below which only braking is used [m/s]: an automatic gearbox creeps
 _GONE = 1.0  # speed at which a motor has handed over [m/s]; the jerk below it is not used
 _LEAST = 1.0  # time of braking that is needed [s]
 _AGE = 10.0  # unit of time of the trend [s]
-_WINDOW, _BETWEEN = 0.3, 0.1  # lengths of two medians, and between them [s]: they show a step
+_WINDOW, _BETWEEN = 0.3, 0.1  # length of each of two medians that show a step, and between them [s]
 _BITTEN = 0.4  # time of braking before a step is looked for [s]: pads and body settle
 _STEADY = 0.3  # largest change of the nominal force between the medians [1]: the delay is not exact
 
@@ -70,10 +69,10 @@ _LEVEL, _TREND, _BRAKED, _REST, _FADES, _DELAY, _WIDER = range(7)
 
 
 class _ForceStep(NamedTuple):
-    """The largest step of the braking force that the pressure does not make, at ``time`` [s].
+    """Largest step of the braking force that the pressure does not make, at ``time`` [s].
 
-    ``share`` is the step over the usual brake force [1], positive where the car brakes more after
-    it; ``sigma`` is the scatter of such steps in the run [1].
+    ``share`` is the step over the usual brake force [1], positive if the car brakes more after the
+    step; ``sigma`` is the scatter of such steps in the run [1].
     """
 
     time: float = 0.0
@@ -88,9 +87,9 @@ _NO_STEP = _ForceStep()
 class BrakeResponse:
     """Delay of the brakes [s] and force without pressure, each with its standard deviation.
 
-    ``level`` of the pads over nominal [1]; ``delay`` positive where the deceleration comes after
-    the pressure; ``share`` the force, and ``fading`` the fading force, over the usual (median)
-    demanded brake force [1]. The sigma of ``fading`` is `_FADING` where the run does not show it.
+    ``level`` is that of the pads over nominal ones [1]; ``delay`` is positive if the deceleration
+    comes after the pressure; ``share`` is the force, and ``fading`` the fading force, over the
+    usual (median) demanded brake force [1]. ``fading_sigma`` is `_FADING` without a handover.
     """
 
     level: float
@@ -134,8 +133,8 @@ def brake_balance(car: Vehicle, effects: Effects, s: Signals) -> BrakeBalance:
 class _Means:
     """Means of a run over ``step`` [s], (k,), compared where ``inside`` is true; forces in N.
 
-    Brake forces are the ``nominal`` one of nominal pads and the ``demanded`` one by the
-    deceleration; ``braked`` and ``slow`` are those of the head [1].
+    ``nominal`` is the brake force of nominal pads, ``demanded`` that by the deceleration;
+    ``braked`` and ``slow`` [1] are those of the head of the file.
     """
 
     step: float
@@ -148,7 +147,7 @@ class _Means:
 
     @classmethod
     def of_run(cls, s: Signals, forces: BrakeBalance) -> "_Means":
-        """Average the signals and forces of a run."""
+        """Compute the means of a run."""
         size = samples_in(_STEP, s.sample_time)
         bites = forces.active.astype(float)
         handed_over = np.clip((FADE_OUT - s.speed) / (FADE_OUT - _GONE), 0.0, 1.0)
@@ -260,7 +259,7 @@ def _delayed(time: Array, x: Array, delay: float, *, lagged: bool) -> Array:
 
 
 def _largest_step(m: _Means, nominal: Array, residual: Array) -> _ForceStep:
-    """The largest step of ``residual`` in the longest braking, by medians, so that no bump counts.
+    """Largest step of ``residual`` in the longest braking, by medians, so that no bump counts.
 
     ``nominal`` force and ``residual`` (k,), where ``m.inside``, are over the usual brake force [1].
     """
@@ -270,11 +269,9 @@ def _largest_step(m: _Means, nominal: Array, residual: Array) -> _ForceStep:
     width, apart = round(_WINDOW / m.step), round((_WINDOW + _BETWEEN) / m.step)
     if longest.size < 2 * apart:
         return _NO_STEP
-    windows = np.lib.stride_tricks.sliding_window_view(  # (2, windows, width)
-        np.stack([residual, nominal])[:, longest], width, axis=1
-    )
-    middle = [(width - 1) // 2, width // 2]
-    medians, pressed = np.partition(windows, middle, axis=-1)[..., middle].mean(axis=-1)
+    signals = np.stack([residual, nominal])[:, longest]
+    windows = np.lib.stride_tricks.sliding_window_view(signals, width, axis=1)  # (2, k, width)
+    medians, pressed = np.median(windows, axis=-1)
     steps = medians[apart:] - medians[:-apart]
     times = time[longest][(apart + width) // 2 :][: steps.size]
     steady = np.abs(pressed[apart:] - pressed[:-apart]) < _STEADY

@@ -40,8 +40,9 @@ def shares_of_speed(log: Log) -> Iterator[tuple[str, float]]:
     speeds = {"v": log["v"]} if "v" in log else {}
     a_x = np.diff(log["a_x"][:_ENOUGH], 2)
     for name, speed in {**speeds, "the wheel speeds": wheels}.items():
-        x, n = np.diff(speed[:_ENOUGH], 2), a_x.size - 2 * reach
-        count = 2 * reach + 1
+        x = np.diff(speed[:_ENOUGH], 2)
+        count = 2 * reach + 1  # weights of the sum
+        n = a_x.size - 2 * reach
         if n < 4 * count or not (np.any(x) and np.any(a_x)):
             continue
         nearby = np.lib.stride_tricks.sliding_window_view(x, count).T.copy()  # (count, n)
@@ -51,7 +52,7 @@ def shares_of_speed(log: Log) -> Iterator[tuple[str, float]]:
 
 
 def copied_pairs(log: Log, names: Sequence[str]) -> Iterator[tuple[str, str, float]]:
-    """Find pairs of channels that are copies; each comes with the correlation of its noise [1].
+    """Yield pairs of channels that are copies, each with the correlation of its noise [1].
 
     Two channels that are held step together and are compared at their steps alone. The noise must
     correlate also without the samples that change most: a bump shakes all wheels.
@@ -81,7 +82,7 @@ def _second_differences(log: Log, channel: str) -> Array:
 
 
 def _unit(x: Array) -> Array:
-    """``x`` over its norm, unless that is zero."""
+    """``x`` over its norm; unchanged if the norm is zero."""
     norm = float(np.linalg.norm(x))
     return x / norm if norm > 0.0 else x
 
@@ -95,9 +96,7 @@ def _is_noise(log: Log, channel: str) -> bool:
     return exceeds and float(differences[1:] @ differences[:-1]) < -0.3 * square
 
 
-_CHANNELS = ("p_mc", "a_x", "v", *WHEEL_SPEEDS)
-"""Inputs of a diagnosis."""
-
+_CHANNELS = ("p_mc", "a_x", "v", *WHEEL_SPEEDS)  # inputs of a diagnosis
 _FEWEST = 20  # changes from which a period is estimated
 _SOONER = 0.1  # share of the changes that may come sooner than a period: messages jitter
 _LATER = 1.6  # longest time between two changes that is one period [periods]: a value was lost

@@ -19,12 +19,8 @@ from calib.logs.clock import GAP, step_of
 from calib.logs.log import Log
 from calib.run.filters import block_mean, centred_mean, samples_in, true_intervals
 
-BITE_Z = 0.08
-"""Deceleration [g] above which a car counts as braked where no pressure is logged: more than drag
-and an engine in gear make."""
-
+BITE_Z = 0.08  # deceleration of a braked car without a logged pressure [g]: above drag and engine
 ROLLING_Z = 0.15  # largest deceleration of a car that rolls unbraked [g]
-
 DRIVEN_Z = 0.05
 """Acceleration [g] beyond which the engine drives the car, so that the slip of the driven wheels
 shows in eta. A slope is not felt by the accelerometer, and its bias is smaller."""
@@ -32,7 +28,7 @@ shows in eta. A slope is not felt by the accelerometer, and its bias is smaller.
 GREATEST_Z = 1.5  # deceleration that no road car reaches [g]: beyond it a_x has a glitch
 _SHORTEST = 0.3  # shortest brake event [s]
 _PAUSE = 0.2  # shortest release of the brakes that ends an event [s]
-_STROKE = 0.25  # length of the means whose rise is judged [s]: below a ramp, above pedal tremble
+_RISE_MEAN = 0.25  # length of the means whose rise is judged [s]: longer than a tremble of the foot
 SETTLE = 0.1  # time left out between lead-in and first event [s]: pressure rises before the bite
 SMOOTHING = 0.1  # width of the centred mean that reduces the noise [s]
 NOMINAL_RADIUS = 0.32  # rolling radius of a usual wheel [m], for a speed if ``v`` is not logged
@@ -84,8 +80,8 @@ class BrakeEvent:
     """One application of the brakes; times in s, speeds in m/s, decelerations in g.
 
     ``first_sample`` is the index of its first sample; ``pressure`` the highest one [Pa] or None if
-    not logged; ``z_low`` to ``z_high`` the range of the deceleration; ``braking_time`` that above
-    `MOVING`; ``rise_time`` the length of the longest steady rise, ``rise_z`` the range of the
+    not logged; ``z_low`` to ``z_high`` the range of the deceleration; ``braking_time`` the time
+    above `MOVING`; ``rise_time`` the length of the longest steady rise, ``rise_z`` the range of the
     deceleration in that rise.
     """
 
@@ -125,12 +121,10 @@ def driving_record(log: Log) -> DrivingRecord:
 
 def brake_events(driving: DrivingRecord) -> tuple[BrakeEvent, ...]:
     """Return the applications of the brakes in order of time."""
-    spans = true_intervals(driving.braked)
-    return tuple(_event(driving, slice(start, end)) for start, end in spans)
+    return tuple(_event(driving, slice(*interval)) for interval in true_intervals(driving.braked))
 
 
 def _event(driving: DrivingRecord, part: slice) -> BrakeEvent:
-    """Describe the brake event in the samples of ``part``."""
     time, speed, moving = driving.time[part], driving.speed[part], driving.moving[part]
     z = driving.z[part][moving] if moving.any() else driving.z[part]
     pressure = None if driving.pressure is None else float(driving.pressure[part].max())
@@ -154,19 +148,19 @@ def _steady_rise(driving: DrivingRecord, part: slice) -> tuple[float, float]:
     """Length [s] and range of z [g] of the longest steady rise in the event ``part``.
 
     A rise is judged by the pressure, or by z if no pressure is logged. It is steady while its means
-    over `_STROKE` never fall by more than 5 % of their range. Its length counts from 5 to 95 % of
-    its height, so that a step followed by a long hold is short.
+    over `_RISE_MEAN` never fall by more than 5 % of their range. Its length counts from 5 to 95 %
+    of its height, so that a step followed by a long hold is short.
     """
     moving = driving.moving[part]
     rising = driving.z[part] if driving.pressure is None else driving.pressure[part]
     rising, z = rising[moving], driving.z[part][moving]
-    n = samples_in(_STROKE, driving.step)
+    n = samples_in(_RISE_MEAN, driving.step)
     if rising.size < 2 * n:
         return 0.0, 0.0
     longest = (0.0, 0.0)
     means = block_mean(rising, n)
     falls = np.diff(means) < -0.05 * np.ptp(means)
-    # mean k is in the interval if it has not fallen from mean k - 1, where the rise begins
+    # an interval has the means that do not fall from the mean before; its rise begins one earlier
     for start_mean, end_mean in true_intervals(np.concatenate([[True], ~falls])):
         start = max(start_mean - 1, 0) * n
         rise = rising[start : end_mean * n]

@@ -1,16 +1,19 @@
 """Find wheels whose columns have changed places, by the change of the four slips in a braking.
 
-What braking changes of the four slips, fl to rr, is split into three parts. On a car that brakes
-alike left and right only E is not zero:
+The change of the four slips, fl to rr, is split into three parts. On a car that brakes alike left
+and right only E is not zero:
 
     E = (fl + fr - rl - rr)/2      front against rear: the front wheels slip more
     L = (fl - fr + rl - rr)/2      left against right: a bend, unlike brakes, unlike tyres
     X = (fl - fr - rl + rr)/2      one diagonal against the other
 
-Columns that change places change the parts. Those of one side, fl with rl make X = -E and E = 0, fr
-with rr X = E and E = 0. Those of a diagonal, fl with rr make L = -E and E = 0, fr with rl L = E and
-E = 0. One wheel that brakes more or less changes |X| and |L| alike, so X alone comes from no brake,
-no tyre and no bend.
+Columns that change places move the E of the car to another part, with this sign:
+
+    fl with rl: X = -E      fr with rr: X = E      exchanged on one side
+    fl with rr: L = -E      fr with rl: L = E      exchanged on a diagonal
+
+One wheel that brakes more or less changes |X| and |L| alike, so X alone comes from no brake, no
+tyre and no bend.
 """
 
 from dataclasses import dataclass
@@ -41,19 +44,19 @@ class WheelParts:
 class _Crossed(NamedTuple):
     """A front and a rear wheel whose columns are exchanged.
 
-    ``part`` is the X or L that shows the exchange [1]; ``others`` are the two wheels that slip more
-    than the rest, as text.
+    ``part`` is the X or L that shows the exchange [1]; ``slipping`` are the two wheels that slip
+    more than the rest, as text.
     """
 
     wheels: tuple[str, str]
     part: float
-    others: str
+    slipping: str
 
     def __str__(self) -> str:
         front, rear = self.wheels
         return (
-            f"omega_{front} and omega_{rear} have changed places: while braking {self.others} slip "
-            f"{100 * abs(self.part):.2f} % more than the other two, and front and rear alike"
+            f"omega_{front} and omega_{rear} have changed places: while braking {self.slipping} "
+            f"slip {100 * abs(self.part):.2f} % more than the other two, and front and rear alike"
         )
 
 
@@ -89,8 +92,8 @@ def crossed_side(parts: WheelParts | None, alone: str | None = None) -> _Crossed
     x = parts.diagonals
     if not _stands_alone(x, max(abs(parts.axles.value), abs(parts.sides.value)), parts.z):
         return None
-    x_is_opposite_to_e = (x.value < 0.0) is (alone != "r")
-    wheels = ("fl", "rl") if x_is_opposite_to_e else ("fr", "rr")
+    sign_of_e = -1.0 if alone == "r" else 1.0
+    wheels = ("fl", "rl") if x.value * sign_of_e < 0.0 else ("fr", "rr")
     return _Crossed(wheels, x.value, "fl and rr" if x.value > 0.0 else "fr and rl")
 
 
@@ -106,6 +109,5 @@ def crossed_diagonal(parts: WheelParts | None, expected: float) -> _Crossed | No
     low, high = abs(expected) / LIMITS.crossed_alone, LIMITS.crossed_alone * abs(expected)
     if not (_stands_alone(part, max(e, x), parts.z) and low < abs(part.value) < high and e < low):
         return None
-    l_is_opposite_to_e = (part.value < 0.0) is (expected > 0.0)
-    wheels = ("fl", "rr") if l_is_opposite_to_e else ("fr", "rl")
+    wheels = ("fl", "rr") if part.value * expected < 0.0 else ("fr", "rl")
     return _Crossed(wheels, part.value, "fl and rl" if part.value > 0.0 else "fr and rr")

@@ -1,7 +1,6 @@
-"""Sliding and block means, filters and intervals of a sampled signal; many least squares at once.
+"""Means, causal filters, and minimum and median of neighbours of a sampled signal.
 
-In this order: means, causal filters, minimum and median of neighbours, times and intervals of a
-mask, and the residual of many regressions with its variance.
+Below them: times and intervals of a mask, and the residuals of many regressions at once.
 """
 
 from collections.abc import Sequence
@@ -110,13 +109,12 @@ def recursive_filter(x: Array, poles: Sequence[float] | Array) -> Array:
 def sliding_minimum(x: Array, width: int) -> Array:
     """Least of the ``width`` (odd) samples around each sample, of fewer at the ends. Shape (n,).
 
-    Minima over 1, 2, 4 ... samples are built up; two of the last overlap to ``width``.
+    Minima over 1, 2, 4 ... samples are computed until two of them that overlap cover ``width``.
 
     >>> sliding_minimum(np.array([3.0, 1.0, 2.0, 4.0]), 3)
     array([1., 1., 1., 2.])
     """
-    beyond = np.full(width // 2, np.inf)
-    minimum, size = np.concatenate([beyond, x, beyond]), 1
+    minimum, size = np.pad(x, width // 2, constant_values=np.inf), 1
     while 2 * size <= width:
         minimum, size = np.minimum(minimum[:-size], minimum[size:]), 2 * size
     return np.asarray(np.minimum(minimum[: x.size], minimum[width - size :][: x.size]))
@@ -150,14 +148,14 @@ def true_intervals(mask: Mask, least: int = 1) -> list[tuple[int, int]]:
     """
     edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
     first, last = edges[::2], edges[1::2]
-    long = last - first >= least
-    return list(zip(first[long].tolist(), last[long].tolist(), strict=True))
+    is_long = last - first >= least
+    return list(zip(first[is_long].tolist(), last[is_long].tolist(), strict=True))
 
 
 def inner_products(columns: Array, y: Array) -> tuple[Array, Array, Array]:
     """Normal equations of m regressions of ``y`` (n,) on k ``columns`` (m, k, n) each.
 
-    Return A^T A (m, k, k), A^T y (m, k) and y^T y, with A^T one of the ``columns``.
+    Return A^T A (m, k, k), A^T y (m, k) and y^T y, where A^T is one of the ``columns``, (k, n).
     """
     return columns @ np.swapaxes(columns, 1, 2), columns @ y, y @ y
 
@@ -169,11 +167,12 @@ def residual_squares(products: tuple[Array, Array, Array], ridge: Array | float 
     Accurate to 1e-9 of the squares of y.
     """
     gram, side, square = products
-    gram = gram + ridge * np.eye(gram.shape[1])
-    size = np.sqrt(np.diagonal(gram, axis1=1, axis2=2))
-    size = np.where(size > 0.0, size, 1.0)
-    side = side / size
-    gram = gram / (size[:, :, None] * size[:, None, :]) + 1e-9 * np.eye(size.shape[1])
+    identity = np.eye(gram.shape[1])
+    gram = gram + ridge * identity
+    norm = np.sqrt(np.diagonal(gram, axis1=1, axis2=2))  # of each column, (m, k)
+    norm = np.where(norm > 0.0, norm, 1.0)
+    side = side / norm
+    gram = gram / (norm[:, :, None] * norm[:, None, :]) + 1e-9 * identity
     coefficients = np.linalg.solve(gram, side[..., None])[..., 0]
     return np.asarray(np.maximum(square - np.sum(side * coefficients, axis=1), 0.0))
 

@@ -101,7 +101,10 @@ def remove_known_effects(vehicle: Vehicle, log: Log) -> CorrectedRun:
 def _at_plain_pads(
     model: Model, log: Log, history: RunHistory
 ) -> tuple[dict[str, Array], tuple[Array, Array]]:
-    """Wheel pressures that make the same torques on pads without effects, and `factor_f`, `_r`."""
+    """Wheel pressures that make the same torques on pads without effects; factors of the friction.
+
+    Left and right brakes of an axle that are alike are computed once, as the left one (`twin`).
+    """
     logged = {w: log[f"p_{w}"] for w in WHEELS if f"p_{w}" in log}
     pedal = constant_speed(log.time, log["p_mc"], 0.0, source=log.source)
     brakes = brakes_of(model, pedal, logged)
@@ -123,7 +126,7 @@ def _at_plain_pads(
 def _true_motion(model: Model, log: Log) -> RunHistory:
     """Motion of the car, with the errors of the accelerometer undone; without heat of the brakes.
 
-    a_x is found by iteration: to a_x is added what its reading exceeds the sensed a_x by.
+    a_x is found by iteration: the excess of the reading over the a_x as sensed is added to a_x.
     """
     car = model.vehicle
     omega = {a: 0.5 * (log[f"omega_{a}l"] + log[f"omega_{a}r"]) for a in AXLES}
@@ -152,9 +155,9 @@ def _true_motion(model: Model, log: Log) -> RunHistory:
 
 
 def _speeds_in_time(effects: Effects, log: Log, history: RunHistory) -> dict[str, Array]:
-    """Speeds whose delay is known, corrected by the change of v in that time; slip stays constant.
+    """Speeds whose delay is known, corrected by the change of v in that time, at constant slip.
 
-    Without v in the log, the history has the speed of the late wheels.
+    The v of the ``history`` is that of the log, or that of the late wheels if v is not logged.
     """
     gained = integral(log.time, -G * history.z)
     v_delay = reading_delay(effects, "speed_delay")
@@ -165,7 +168,7 @@ def _speeds_in_time(effects: Effects, log: Log, history: RunHistory) -> dict[str
         v = in_time["v"] = log["v"] + (gained - delayed(log.time, gained, v_delay))
     if omega_delay:
         change = gained - delayed(log.time, gained, omega_delay)
-        then = v - change if "v" in log else v
-        ratio = 1.0 + change / np.maximum(then, MOVING)
+        earlier_v = v - change if "v" in log else v
+        ratio = 1.0 + change / np.maximum(earlier_v, MOVING)
         in_time |= {f"omega_{w}": log[f"omega_{w}"] * ratio for w in WHEELS}
     return in_time

@@ -49,9 +49,10 @@ def turning(
     slip: Array | float,
     height: float,
 ) -> Array:
-    """Lateral acceleration [m/s^2] (n,) before the low-pass; other arguments as of `lateral`.
+    """Lateral acceleration [m/s^2] (n,) before the low-pass.
 
-    ``apart`` is the value of `sides` [1] less that on a straight road, ``speed`` v [m/s], (n,):
+    ``apart`` is the value of `sides` [1] less that on a straight road, ``speed`` v [m/s], (n,); the
+    other arguments are those of `lateral`:
 
         apart = a_y (l_w/v^2 + 4 slip h/(g l_w))
 

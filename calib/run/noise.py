@@ -67,7 +67,7 @@ def sensor_noise(log: Log, b: Blocks) -> SensorNoise:
 
 
 def _half_differences(log: Log) -> list[Array]:
-    """Half of left less right wheel speed by axle: it has the noise of the mean, but no motion."""
+    """Half of left less right wheel speed, by axle: the noise of their mean without the motion."""
     return [0.5 * (log[f"omega_{a}l"] - log[f"omega_{a}r"]) for a in AXLES]
 
 
@@ -77,7 +77,6 @@ def _white_sigma(x: Array) -> float:
 
 
 def _rms(x: list[float]) -> float:
-    """Root mean square."""
     return float(np.sqrt(np.mean(np.square(x))))
 
 
@@ -91,7 +90,7 @@ _FEW = 10  # samples of a lead-in that are too few: half of the estimates would 
 def lead_in_noise(log: Log, s: Signals) -> SensorNoise:
     """Estimate the noise from the lead-in alone, for causal use: white noise times `_COLOUR`.
 
-    All are 0 for a lead-in of `_FEW` samples or less.
+    Every noise is 0 for a lead-in of `_FEW` samples or less.
     """
     if np.count_nonzero(s.lead_in) <= _FEW:
         return SensorNoise(0.0, 0.0, 0.0, 0.0)
@@ -140,8 +139,8 @@ def _long_run_density(
     total = float(np.sum(residual**2))
     if total == 0.0:
         return 0.0
-    # the median excludes the window of the brake application; r does not, and raises the density
-    # by up to a factor of 3
+    # the median leaves out the window of the brake application; r does not, so the density may be
+    # too high by up to a factor of 3
     variance = float(np.median(np.sum(residual**2, axis=1))) / (length - fitted)
     lagged = float(np.sum(residual[:, 1:] * residual[:, :-1]))
     r = lagged / total * length / (length - 1) + fitted / length

@@ -16,10 +16,8 @@ _HOLD = 0.1  # width over which a constant pressure is averaged [s]
 _WIDEST = 8  # largest lag of a third difference [samples]
 _HIDDEN = 1.5  # noise at a larger lag over that at lag one, from which the larger one counts [1]
 
-NOTHING = 0.4e5  # a constant pressure below this [Pa] is zero: springs keep the pads off
-
+RELEASED = 0.4e5  # a constant pressure below this [Pa] counts as zero: springs keep the pads off
 _CONSTANT = 8.0  # range of a constant pressure over 2 `_HOLD` [sigma of the noise]: plus, minus 4
-
 _PEAK = 8.0
 """Height of a peak beside a constant pressure up to which it is noise [sigma]: a parabola over a
 corner errs by four, and the sample there by as many."""
@@ -44,7 +42,7 @@ def as_pressed(p: Array, step: float) -> Array:
     constant = swing < _CONSTANT * sigma
     parabola = savgol_filter(p, max(5, width | 1), 2)
     changing = np.where(np.abs(parabola - p) < 4.0 * sigma, parabola, p)
-    smooth = np.where(constant, np.where(mean < NOTHING, 0.0, mean), changing)
+    smooth = np.where(constant, np.where(mean < RELEASED, 0.0, mean), changing)
     return _without_peaks(smooth, constant, _PEAK * sigma, width)
 
 

@@ -3,13 +3,12 @@
     z(t) = a + (b + c t) p + f min(p, 1.5 bar) + g min(p, 3 bar) + d T_drive(t) + residual
                                            with p at the time t - delay
 
-The time is that of the lead-in and of the braking, which starts where pressure or deceleration show
-it. a is resistance and bias of a_x, b the pads, c their fade or drying, f and g are pads that bite
-late or a motor that brakes along. On a slow ramp f, g and the delay are nearly collinear, so f and
-g have a narrow prior. The delay has a Cauchy prior: brakes are fast, but two clocks may differ by
-anything. Before the log the pressure is that of the first sample, after the log it is unknown.
-Wrong where a wheel is at its limit, and where the torque of a motor looks like the pressure at
-another time.
+The lead-in and the braking are used. a is resistance and bias of a_x, b the pads, c their fade or
+drying, d a motor; f and g are pads that bite late or a motor that brakes along. On a slow ramp f, g
+and the delay are nearly collinear, so f and g have a narrow prior. The delay has a Cauchy prior:
+brakes are fast, but two clocks may differ by anything. Before the log the pressure is that of the
+first sample, after the log it is unknown. Wrong where a wheel is at its limit, and where the torque
+of a motor looks like the pressure at another time.
 """
 
 from collections.abc import Sequence
@@ -36,12 +35,12 @@ from calib.run.filters import (
 
 _TRIED = np.linspace(-4.0, 4.0, 161)  # delays that are tried [s]; two clocks may be anywhere apart
 _USUAL, _SPREAD = 0.02, 0.06
-"""Median and half width of the Cauchy prior of the delay [s]: brakes and filters are near it, and
-its tails allow a delay of a second."""
+"""Median and half width of the Cauchy prior of the delay [s]: usual brakes and filters are within
+it, and its tails allow a second."""
 _SURE = 0.98  # probability that the delay is above `low`, and that it is below `high` [1]
 _IN_TIME = 0.6  # longest delay of brakes [s]: a diagnosis looks for lags and delays of up to 0.5 s
 _KEPT, _BRAKED = 0.5, 0.25  # least shares of all and of braked samples that lie within the log [1]
-_SLOWS = 1.5 * BITE_Z  # braking whatever the pressure is [g]: above an engine in a low gear
+_SLOWS = 1.5 * BITE_Z  # deceleration that is a braking at any pressure [g]: above a low gear
 _BITES = (1.0, 2.0)  # pressures up to which f and g act, over `BITE` [1]
 _FORCE = 0.05  # prior sigma of f and of g, at these pressures, over the usual deceleration [1]
 _EXACT = 1e-10  # square of the rounding error of z [1]
@@ -65,19 +64,18 @@ class PressureDelay:
 
     @property
     def least(self) -> float:
-        """The value nearest to zero in its interval [s]; 0 if the pressure explains too little."""
+        """Delay nearest to zero in the interval [s]; 0 if the pressure explains too little."""
         trusted = self.explained > LIMITS.explained_late
         return max(self.low, 0.0) + min(self.high, 0.0) if trusted else 0.0
 
     @property
     def words(self) -> str:
-        """How late or early the pressure is, as text."""
-        late = "late" if self.value < 0.0 else "early"
-        return f"{abs(self.value):.2f} s {late}"
+        """Text that says how late or early the pressure is."""
+        return f"{abs(self.value):.2f} s {'late' if self.value < 0.0 else 'early'}"
 
     @property
     def entry(self) -> str:
-        """The line of a channel map that corrects the delay."""
+        """Line of a channel map that corrects the delay."""
         return f'delay = "{-self.value:.2f} s"'
 
 
@@ -87,12 +85,13 @@ def delays_of(log: Log, driving: DrivingRecord, limit: float) -> dict[str, Press
     If the wheel pressures of an axle are logged, they have the delay instead of ``p_mc``, which
     does not show a motor, booster or hold. All channels share one delay.
     """
-    wheels = [f"p_{w}" for w in WHEELS if f"p_{w[0]}l" in log and f"p_{w[0]}r" in log]
-    pressures = [axle_pressure(log, axle) for axle in AXLES] if wheels else [log["p_mc"]]
+    channels, pressures = ["p_mc"], [log["p_mc"]]
+    if wheels := [f"p_{w}" for w in WHEELS if f"p_{w[0]}l" in log and f"p_{w[0]}r" in log]:
+        channels, pressures = wheels, [axle_pressure(log, axle) for axle in AXLES]
     drives = [log[name] for name in ("T_drive_f", "T_drive_r") if name in log]
     use = driving.moving & (log.time < limit) & (np.abs(log["a_x"]) <= GREATEST_Z * G)
     delay = pressure_delay(log.time, driving.z, pressures, drives, use)
-    return {} if delay is None else dict.fromkeys(wheels if wheels else ["p_mc"], delay)
+    return {} if delay is None else dict.fromkeys(channels, delay)
 
 
 def pressure_delay(
@@ -131,9 +130,9 @@ def pressure_delay(
 
 
 def _means(time: Array, use: Mask, *signals: Array) -> tuple[Array, Mask, list[Array]]:
-    """Means of ``signals`` around each sample that has a whole window, at their ``time`` (k,).
+    """Times (k,), ``use`` and the ``signals``, averaged over a window around each sample.
 
-    ``use`` is then true where it is so for all samples of the window.
+    Samples without a full window are left out. The new ``use`` is true if all of the window is.
     """
     width = samples_in(LIMITS.pressure_width, step_of(time)) | 1
     inside = slice(width // 2, time.size - width // 2)
@@ -144,16 +143,16 @@ def _means(time: Array, use: Mask, *signals: Array) -> tuple[Array, Mask, list[A
 def _shifted(
     time: Array, pressures: Sequence[Array], rows: Index, braked: Mask
 ) -> tuple[Array, Mask, Array]:
-    """Pressures at each of ``rows`` (n,) before each delay; ``braked`` (n,) in these rows.
+    """Delays to try, mask of known pressures, and pressures at ``rows`` (n,) before each delay.
 
-    Return the delays (m,) that leave enough rows, and enough braked ones, within the log; where the
-    pressures are known with each delay (m, n); and the k pressures (k, m, n).
+    The m delays leave enough rows, and enough ``braked`` (n,) ones, within the log. The mask is
+    (m, n), the k pressures are (k, m, n).
     """
-    then = time[rows] - _TRIED[:, None]
-    inside = then <= time[-1]
+    earlier = time[rows] - _TRIED[:, None]  # (161, n)
+    inside = earlier <= time[-1]
     enough = np.count_nonzero(inside & braked, axis=1) >= _BRAKED * np.count_nonzero(braked)
     enough &= np.mean(inside, axis=1) > _KEPT
-    shifted = np.array([np.interp(then[enough], time, p) for p in pressures])
+    shifted = np.array([np.interp(earlier[enough], time, p) for p in pressures])
     return _TRIED[enough], inside[enough], shifted
 
 
@@ -163,17 +162,17 @@ def _posterior(
     """Posterior of the delay; None where ``y`` (n,) is constant.
 
     ``columns`` (m, k, n) are those of the regression with each of the delays ``tried`` [s] (m,),
-    0 where not ``inside`` (m, n) of the log; ``force`` is the prior sigma of the last two [1].
+    0 where not ``inside`` (m, n) of the log; ``force`` is the prior sigma of f and g [1].
     """
-    if not np.ptp(y) > _EXACT**0.5:  # a sensor that hangs
+    if not np.ptp(y) > _EXACT**0.5:  # the sensor is stuck
         return None
-    samples = inside.sum(axis=1)
+    samples, variance = inside.sum(axis=1), float(np.var(y))
     gram, side, _ = inner_products(columns, y)
-    products, variance = (gram, side, inside @ y**2), float(np.var(y))
+    products = gram, side, inside @ y**2
     ridge = np.zeros(columns.shape[1])
     for _ in range(2):  # the first pass gives the noise, and with the noise the weight of the prior
         squares = residual_squares(products, ridge) / samples + _EXACT
-        cost = samples * np.log(squares / variance)
+        cost = samples * np.log(squares / variance)  # of white noise, -2 times the log-likelihood
         best = int(np.argmin(cost))
         A, y_inside = columns[best, :, : samples[best]].T, y[: samples[best]]
         residual = y_inside - A @ np.linalg.lstsq(A, y_inside, rcond=None)[0]

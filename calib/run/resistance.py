@@ -21,8 +21,7 @@ from calib.car.model import default_model
 from calib.car.vehicle import Vehicle
 from calib.run.blocks import Blocks, block_balance
 
-_MODEL_ERROR = 3e-4
-"""Error of z of a coast that is not modelled: wind, road crown, a warm gearbox [1]."""
+_MODEL_ERROR = 3e-4  # error of z of a coast by wind, road crown or a warm gearbox [1]
 _CARDS = (AERODYNAMIC_DRAG.card, ROLLING_RESISTANCE.card)
 DRAG, ROLLING = ((card.name, card.parameters[0].name) for card in _CARDS)
 """Name of the effect, and of its parameter that is estimated: drag area and rolling coefficient."""
@@ -87,6 +86,7 @@ def identify(vehicle: Vehicle, runs: Iterable[tuple[Blocks, float]]) -> Resistan
         sides.append(resistance / sigma)
     A, y = np.vstack(rows), np.concatenate(sides)
     if np.any(free):
+        # a value that is below its range by rounding alone makes no bound active
         low, high = np.asarray([(p.low - 1e-12, p.high) for p in priors])[free].T
         residual = y - A[:, ~free] @ solution[~free]
         solution[free] = _bounded(A[:, free], residual, low, high)

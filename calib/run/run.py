@@ -44,13 +44,7 @@ from calib.run.exchanged_wheels import WheelParts, wheel_parts
 from calib.run.noise import SensorNoise, lead_in_noise, sensor_noise
 from calib.run.pressure_delay import PressureDelay, delays_of
 from calib.run.sensors import Sensor, sensors_of
-from calib.run.wheels import (
-    Axles,
-    Slipping,
-    axles_of,
-    slipping,
-    slips_of,
-)
+from calib.run.wheels import Axles, Slipping, axles_of, slipping, slips_of
 
 if TYPE_CHECKING:
     from calib.run.known_effects import CorrectedRun

@@ -25,14 +25,14 @@ _SURE = 6.0
 """Amplitude over its sigma by white noise from which an order k is an error of the ring. In 327
 logs with good rings the largest of a log (eight orders) has a median of 2.4, and is at most 5."""
 _ALIKE = 0.5
-"""Largest difference between both halves of a log over the amplitude [1] of a ring's error. What is
-not of the ring, such as the noise of a slow bus, has another phase in each half."""
+"""Largest change of a ring's error between both halves of a log, over its amplitude [1]. The noise
+of a slow bus has another phase in each half."""
 
 
 def without_runout(omega: Array, step: float) -> Array:
     """Return a wheel speed [rad/s] (n,) without the error of its ring; ``step`` sample time [s].
 
-    The speed is returned as it is if no order of the error is sure.
+    The speed is returned as it is if no order of the error is significant.
     """
     time = step * np.arange(omega.size, dtype=np.float64)
     angle = integral(time, omega)
@@ -42,27 +42,27 @@ def without_runout(omega: Array, step: float) -> Array:
         return omega
     rising = np.maximum.accumulate(angle)
     angles = angle[use]
-    half_after, half_before = (np.interp(angles + turn, rising, time) for turn in (np.pi, -np.pi))
-    error = omega[use] * (half_after - half_before) / (2.0 * np.pi) - 1.0
+    turn_end, turn_start = (np.interp(angles + half, rising, time) for half in (np.pi, -np.pi))
+    error = omega[use] * (turn_end - turn_start) / (2.0 * np.pi) - 1.0
     near = np.abs(error) <= 5.0 * max(scatter(error), 1e-9)
     if np.count_nonzero(near) < _FEWEST:
         return omega
     error, columns = error[near], _orders(angles[near])
     middle = error.size // 2
-    first_half, second_half = slice(middle), slice(middle, None)
-    fitted, early, late = (  # each a_1, b_1, a_2, b_2
-        _fitted(columns[:, part], error[part]) for part in (slice(None), first_half, second_half)
+    fitted, early, late = (
+        _coefficients(columns[:, part], error[part])
+        for part in (slice(None), slice(middle), slice(middle, None))  # all, both halves
     )
     amplitude, change = (np.hypot(x[0::2], x[1::2]) for x in (fitted, early - late))  # by order
     sigma = float(np.std(error - fitted @ columns)) * np.sqrt(2.0 / error.size)
-    sure = (amplitude > max(_SURE * sigma, _SMALLEST)) & (change < _ALIKE * amplitude)
-    if not sure.any():
+    significant = (amplitude > max(_SURE * sigma, _SMALLEST)) & (change < _ALIKE * amplitude)
+    if not significant.any():
         return omega
-    return np.asarray(omega / (1.0 + (fitted * np.repeat(sure, 2)) @ _orders(angle)))
+    return np.asarray(omega / (1.0 + (fitted * np.repeat(significant, 2)) @ _orders(angle)))
 
 
-def _fitted(columns: Array, error: Array) -> Array:
-    """Least squares coefficients (4,) of ``error`` (n,) on ``columns`` (4, n)."""
+def _coefficients(columns: Array, error: Array) -> Array:
+    """Least squares a_1, b_1, a_2, b_2 of ``error`` (n,) on ``columns`` (4, n)."""
     return np.asarray(np.linalg.solve(columns @ columns.T, columns @ error))
 
 

@@ -94,7 +94,7 @@ def _agree(a: _View, other: Log, step: float) -> bool:
     """Whether the channels agree at the best lag.
 
     The lag is first a whole number of means over ``step`` [s]. The means of ``other`` are then
-    taken again from a later sample on, until its means and those of ``a`` begin together.
+    taken again from a later sample on, until the means of both runs begin together.
     """
     b = _view_of(other, step)
     if min(a["wheels"].size, b["wheels"].size) < LIMITS.run_fewest:
@@ -128,8 +128,9 @@ def _is_one_run(view: _View, other: _View, lag: int) -> bool:
     }
     spreads = {name: _spread(a, b) for name, (a, b) in pairs.items()}
     wheels = [spreads.pop(name) for name in WHEEL_SPEEDS if name in spreads]
-    counted = [*spreads.values(), float(np.median(wheels))] if wheels else [*spreads.values()]
-    d = float(np.median(counted)) if counted else np.inf
+    if wheels:
+        spreads["wheels"] = float(np.median(wheels))
+    d = float(np.median(list(spreads.values()))) if spreads else np.inf
     if d < LIMITS.run_alike:
         return True
     r = _sign_correlation(list(pairs.values()))
@@ -137,14 +138,14 @@ def _is_one_run(view: _View, other: _View, lag: int) -> bool:
 
 
 def _overlap(view: Array, other: Array, lag: int) -> tuple[Array, Array]:
-    """The parts of both at the same time, if ``other`` begins ``lag`` means after ``view``."""
+    """Parts of two signals at the same time, if ``other`` begins ``lag`` means after ``view``."""
     a, b = view[max(lag, 0) :], other[max(-lag, 0) :]
     n = min(a.size, b.size)
     return a[:n], b[:n]
 
 
 def _spread(a: Array, b: Array) -> float:
-    """D of one channel [1]."""
+    """Return D [1] of the head of the file for one channel."""
     square = scatter(a - b) ** 2
     noise = _noise_of(a) ** 2 + _noise_of(b) ** 2
     if noise == 0.0:
@@ -153,7 +154,7 @@ def _spread(a: Array, b: Array) -> float:
 
 
 def _sign_correlation(pairs: list[tuple[Array, Array]]) -> float:
-    """Correlation r [1] of third differences; by their signs, since the bite is large in both."""
+    """Correlation r [1] of third differences, by their signs: the bite is large in both runs."""
     signs = [np.sign(np.diff(a, 3)) * np.sign(np.diff(b, 3)) for a, b in pairs]
     products = np.concatenate(signs)
     products = products[products != 0.0]
@@ -163,7 +164,7 @@ def _sign_correlation(pairs: list[tuple[Array, Array]]) -> float:
 
 
 def _residual_lag(view: Array, other: Array, lag: int) -> tuple[float, float]:
-    """Lag of ``other`` beyond ``lag`` by the slope of the wheels [means], at most 1, and D then."""
+    """Lag beyond ``lag`` [means], at most 1, by the slope of the signals; and D at that lag."""
     a, b = _overlap(view, other, lag)
     slope = np.gradient(b)
     square = float(slope @ slope)
@@ -172,16 +173,16 @@ def _residual_lag(view: Array, other: Array, lag: int) -> tuple[float, float]:
 
 
 def _best_lag(a: Array, b: Array) -> int:
-    """The lag of ``b`` in ``a`` [means] with the least mean square difference.
+    """Lag of ``b`` in ``a`` [means] with the least mean square difference.
 
-    The sum of (a - b)^2 over the overlap is that of a^2 + b^2 less twice that of a b, which is a
-    convolution: the Fourier transform gives it for all lags at once.
+    The sum of (a - b)^2 over the overlap is that of a^2 + b^2 less twice that of a b. The latter is
+    a correlation, which the Fourier transform gives for all lags at once.
     """
     least = max(LIMITS.run_fewest, int(LIMITS.run_overlap * min(a.size, b.size)))
     centre = float(a.mean())
     a, b = a - centre, b - centre
     lags = np.arange(least - b.size, a.size - least + 1)
-    size = 1 << int(np.ceil(np.log2(a.size + b.size)))  # a power of two, zeros behind both
+    size = 1 << int(np.ceil(np.log2(a.size + b.size)))  # a power of two; zeros fill both signals
     product = np.fft.irfft(np.fft.rfft(a, size) * np.conj(np.fft.rfft(b, size)), size)[lags]
     first, last = np.maximum(lags, 0), np.minimum(lags + b.size, a.size)
     squares_a, squares_b = (np.concatenate([[0.0], np.cumsum(x**2)]) for x in (a, b))
@@ -204,7 +205,7 @@ def fingerprint_of(log: Log) -> Fingerprint:
 
 
 def _decoded(text: str) -> Array:
-    """Whole numbers (n,) of their second differences as text; ValueError if there are others."""
+    """Whole numbers (n,) from their second differences as text; ValueError for another text."""
     try:
         differences = np.array([int(word) for word in text.split()], dtype=np.int64)
     except OverflowError as error:
@@ -222,7 +223,6 @@ def _view_of(log: Log, step: float = LIMITS.run_means, offset: float = 0.0) -> _
 
 
 def _with_wheels(channels: dict[str, Array]) -> _View:
-    """Return the channels with the mean wheel speed added."""
     return channels | {"wheels": np.mean([channels[name] for name in WHEEL_SPEEDS], axis=0)}
 
 

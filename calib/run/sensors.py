@@ -1,7 +1,4 @@
-"""Properties of the sensor of each channel: range, resolution, noise, stuck values, saturation.
-
-A `Sensor` has one property for each; the functions below it compute them.
-"""
+"""Properties of the sensor of each channel: range, resolution, noise, stuck values, saturation."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -51,12 +48,12 @@ class Sensor:
 
     @cached_property
     def resolution(self) -> float:
-        """Step of the values; 0 if none is detected, or for a channel that was interpolated."""
+        """Step of the values; 0 if there is none, or for an interpolated channel."""
         return 0.0 if self.channel in self.log.interpolated else resolution_of(self._x)
 
     @cached_property
     def noise(self) -> float:
-        """Standard deviation of its white noise, unbraked, without outliers; NaN if too short.
+        """Standard deviation of the white noise, unbraked, without outliers; NaN if too short.
 
         Third differences contain almost no motion; those of white noise have 20 times its variance.
         """
@@ -73,7 +70,7 @@ class Sensor:
 
     @cached_property
     def stuck(self) -> tuple[tuple[float, float], ...]:
-        """Intervals (from, to) [s] of over a second in which it is constant while others change."""
+        """Start and end [s] of each interval of over a second in which the value is stuck."""
         driving = self.driving
         if driving is None:
             return ()
@@ -91,7 +88,7 @@ class Sensor:
 
     @cached_property
     def saturated(self) -> float:
-        """Time for which it stays at its highest (``a_x``: lowest) value [s], 0 if that is usual.
+        """Time for which the value stays at its highest (``a_x``: lowest) [s], 0 if that is usual.
 
         0 for the channels of `_RESTING`, and for a pressure that the driver holds.
         """
@@ -141,8 +138,8 @@ def _saturation(x: Array, step: float) -> float:
     at_top[0] = False
     longest = int(length[at_top].max(initial=0))
     longest_other = int(length[value < top].max(initial=1))
-    odd = longest >= 10 and longest * step >= LIMITS.held and longest >= 5 * longest_other
-    return longest * step if odd else 0.0
+    is_long = longest >= 10 and longest * step >= LIMITS.held and longest >= 5 * longest_other
+    return longest * step if is_long else 0.0
 
 
 def _is_held(pressure: Array, driving: DrivingRecord | None) -> bool:
@@ -163,8 +160,8 @@ def _is_held(pressure: Array, driving: DrivingRecord | None) -> bool:
 def _others_move(name: str, log: Log, driving: DrivingRecord, part: slice) -> bool:
     """Whether the other channels show that ``name`` should have changed in ``part``.
 
-    Both ends of the part are left out: smoothing mixes in samples from outside, and each wheel
-    speed of a stopping car jumps to 0 at another time.
+    Both ends of the part are left out: smoothing mixes in samples from outside, and the wheels of a
+    stopping car do not stop together.
     """
     edge = round(SMOOTHING / driving.step)
     inside = slice(part.start + edge, part.stop - edge)

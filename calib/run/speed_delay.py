@@ -14,6 +14,7 @@ Wrong where the wheel speeds are as late as v, or the filter of a_x is slower th
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -25,19 +26,13 @@ from calib.run.driving_record import GREATEST_Z
 from calib.run.filters import block_mean, recursive_filter, samples_in
 
 _BLOCK = 0.05  # length of the means that are compared [s]
-
-USUAL = 0.02
-"""Standard deviation [s] of the delay of a v in time."""
-
+USUAL = 0.02  # standard deviation of the delay of a v in time [s]
 _LATEST = 0.5
-"""Greatest delay [s] that is tried: receivers have 0.1 to 0.3 s, slow filters more. v within this
-time of the start may be from before the log, and is not compared."""
+"""Greatest delay that is tried [s]: slow filters have more than the 0.3 s of receivers. v within
+this time of the start may be from before the log, and is not compared."""
 
 _ODDS = 0.05  # prior odds of a late v: few take v from a receiver
-
-_SCALE = 0.05
-"""Standard deviation of the scale c of a_x [1], wider than that of a sensor, so that no delay has
-to explain a wrong scale."""
+_SCALE = 0.05  # sigma of the scale c [1]: wider than a sensor's, so no delay explains a wrong scale
 
 EVEN, CHANGING = 0.0002, 0.015
 """Random walk of the grade on an even and on a changing road [g/s^0.5]: tracks are even to 1 mm in
@@ -88,12 +83,13 @@ def speed_delay(time: Array, v: Array, a_x: Array, step: float) -> SpeedDelay:
     if even is None or abs(even.first_guess()) < 2.0 * USUAL:
         return IN_TIME
     tried = np.arange(-5.0 * USUAL, _LATEST + 0.5 * _STEP, _STEP)
-    roads = even, even.on_road(CHANGING)
+    roads = even, replace(even, grade_walk=CHANGING)
     misfit = np.array([[road.misfit(delay) for delay in tried] for road in roads])  # (2, m)
     count = np.count_nonzero(even.usable)
     excess = max(misfit.min() / max(count, 1), 1.0)  # variance of the noise over the assumed one
-    log_likelihood = -0.5 * misfit / excess - count * np.log([[road.sigma] for road in roads])
-    of_roads = log_likelihood - log_likelihood.max() + np.log(ODDS_ROAD)[:, None]
+    sigma = np.array([[road.whitening[1]] for road in roads])
+    of_roads = -0.5 * misfit / excess - count * np.log(sigma)  # log-likelihoods (2, m)
+    of_roads = of_roads - of_roads.max() + np.log(ODDS_ROAD)[:, None]
     log_likelihood = np.logaddexp(*of_roads)  # (m,), the road marginalised
     usual = np.exp(log_likelihood - 0.5 * (tried / USUAL) ** 2) / (USUAL * np.sqrt(2.0 * np.pi))
     late = np.exp(log_likelihood) * (tried > 0.0) / _LATEST
@@ -119,9 +115,8 @@ class _DelayEvidence:
 
     ``gained`` is the integral of a_x [m/s] at ``time`` [s] (n,); ``v`` are means (k,) over blocks
     of ``size`` samples and ``length`` [s]. ``noise`` holds the variance of a mean of v and that of
-    the integral's growth over a block [m^2/s^2]. Second differences are compared where ``usable``
-    (k - 2,); the filter ``average`` and ``sigma`` make them white (`second_differences`). The
-    columns of ``start`` (k - 2, 2) span the unknown first v and slope.
+    the integral's growth over a block [m^2/s^2]; the grade of the road walks by ``grade_walk``
+    [g/s^0.5]. Second differences are compared where ``usable`` (k - 2,).
     """
 
     time: Array
@@ -131,9 +126,7 @@ class _DelayEvidence:
     size: int
     length: float
     noise: tuple[float, float]
-    average: Array
-    sigma: float
-    start: Array
+    grade_walk: float = EVEN
 
     @classmethod
     def from_signals(
@@ -149,17 +142,18 @@ class _DelayEvidence:
         usable = (means > 2.0) & (np.abs(a_x_means) < GREATEST_Z * G)
         usable &= h * np.arange(means.size) >= _LATEST
         usable = usable[2:] & usable[1:-1] & usable[:-2]
-        unset, gained = np.zeros(1), integral(time, a_x)  # `on_road` sets the filter
-        evidence = cls(time, gained, means, usable, size, h, (white, walk), unset, 1.0, unset)
-        return evidence.on_road(EVEN)
+        return cls(time, integral(time, a_x), means, usable, size, h, (white, walk))
 
-    def on_road(self, grade_walk: float) -> "_DelayEvidence":
-        """Return the evidence on a road whose grade walks by ``grade_walk`` [g/s^0.5]."""
-        turned = (G * self.length * grade_walk) ** 2 * self.length
+    @cached_property
+    def whitening(self) -> tuple[Array, float, Array]:
+        """Filter and sigma that make second differences white, and columns (k - 2, 2) of the start.
+
+        The columns span the effect of the unknown first v and slope on the white differences.
+        """
+        turned = (G * self.length * self.grade_walk) ** 2 * self.length
         average, sigma = second_differences(*self.noise, turned)
         first = np.eye(self.usable.size, 2, -int(np.argmax(self.usable)))
-        start = np.linalg.qr(recursive_filter(first.T, average).T)[0]
-        return replace(self, average=average, sigma=sigma, start=start)
+        return average, sigma, np.linalg.qr(recursive_filter(first.T, average).T)[0]
 
     def first_guess(self) -> float:
         """Delay [s] by one Gauss-Newton step from 0: it excludes a delay at little cost."""
@@ -181,6 +175,7 @@ class _DelayEvidence:
 
     def _filtered(self, x: Array) -> Array:
         """Second differences of ``x`` (k,), white, without the part of the unknown start."""
-        white = recursive_filter(np.where(self.usable, np.diff(x, 2), 0.0), self.average)
-        white -= self.start @ (self.start.T @ white)
-        return np.asarray(white / self.sigma)
+        average, sigma, start = self.whitening
+        white = recursive_filter(np.where(self.usable, np.diff(x, 2), 0.0), average)
+        white -= start @ (start.T @ white)
+        return np.asarray(white / sigma)

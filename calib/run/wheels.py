@@ -1,7 +1,7 @@
 """The four wheels compared: slips, ratios of their speeds, radii, sign of a_x, ABS, locked wheels.
 
-log --slips_of--> slip of each wheel --axles_of--> Axles       speeds of wheels and axles compared
---slipping--> Slipping    ABS cycles and locked wheels
+`slips_of` computes the slips. From them come `Axles` (ratios, radii, sign) by `axles_of`, and
+`Slipping` (ABS, locked wheels) by `slipping`.
 """
 
 import math
@@ -119,9 +119,9 @@ def axles_of(log: Log, driving: DrivingRecord, slips: Mapping[str, Array]) -> Ax
     fl, fr, rl, rr = (log[f"omega_{w}"] for w in WHEELS)
     front, rear, free = 0.5 * (fl + fr), 0.5 * (rl + rr), driving.unbraked
     zero = mismatch(front, rear, free, driving.step)
-    below = driving.braked & (driving.wheel_z < HIGH) & (driving.speed > 5.0)
-    braked = mismatch(front, rear, below & (driving.wheel_z > 0.2), driving.step)
-    braking = below & (driving.wheel_z > LOW)
+    moderate = driving.braked & (driving.wheel_z < HIGH) & (driving.speed > 5.0)
+    braked = mismatch(front, rear, moderate & (driving.wheel_z > 0.2), driving.step)
+    braking = moderate & (driving.wheel_z > LOW)
     change = None
     if braked is not None and zero is not None:
         half = float(np.hypot(braked.half, zero.half))
@@ -203,8 +203,8 @@ class Slipping:
 def slipping(slips: Mapping[str, Array], driving: DrivingRecord) -> Slipping:
     """Find ABS cycles and locked wheels; without ``v`` not where all four slip at once.
 
-    A cycle is a deep slip that the wheel leaves within `LIMITS.abs_cycle`. A wheel without one may
-    have `_swings`.
+    A cycle is a deep slip that the wheel leaves within `LIMITS.abs_cycle`; on a wheel without such
+    a slip, each of its `_swings` is a cycle.
     """
     braking = driving.braked & driving.moving
     cycles: list[tuple[str, float]] = []

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from calib.run.pedal import NOTHING, as_pressed
+from calib.run.pedal import RELEASED, as_pressed
 
 
 def test_without_noise_nothing_changes():
@@ -27,7 +27,7 @@ def test_the_noise_of_a_sensor_that_reads_nothing_below_nought_is_no_brake():
     rng = np.random.default_rng(2)
     p = np.maximum(rng.normal(0.0, 1e4, 1000), 0.0)
     assert np.mean(p) > 0.3e4
-    assert np.mean(p) < NOTHING
+    assert np.mean(p) < RELEASED
     assert np.max(as_pressed(p, 0.005)) == 0.0
 
 
