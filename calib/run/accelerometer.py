@@ -51,7 +51,7 @@ _ROLLING, _DRAG, _RESISTS = 0.011, 2.7e-5, 0.3
 
 _LAG = 0.02  # sigma of the lag between v and a_x [s]; `calib.plausibility` looks for larger ones
 _SECOND = 1.0  # time over which a_x and v are averaged [s]: the noise of v is then 0.002 g
-_MULTIPLE = 4  # number of blocks that are compared is a multiple: an end below 0.2 s is not used
+_MULTIPLE = 4  # the number of compared blocks is a multiple of this: 0.2 s
 
 _CASES = np.array(list(product((False, True), repeat=4)))
 """Whether bias, grade, drag and a walk are present (16, 4); every second case has a walk."""
@@ -62,10 +62,9 @@ _SENSED = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 1.0, 0.0], [0.0, 1.0, 0.0, 
 
 @dataclass(frozen=True)
 class Accelerometer:
-    """Scale c [1] and offset (``bias``) [g] of the accelerometer from a whole run.
+    """Scale c [1] and offset ``bias`` [g] from a whole run; ``drag`` [g] beside the known one.
 
-    ``drag`` [g] comes on top of the known resistance. ``walk_probability`` is that of a grade that
-    walks [1]; ``disagreement`` see `_disagreement` [g].
+    ``walk_probability`` is that of a grade that walks [1]; ``disagreement`` see `_disagreement`.
     """
 
     scale: float

@@ -143,10 +143,7 @@ def _reference_speed(log: Log) -> tuple[Array | None, SpeedDelay]:
 
 
 def held_time(log: Log, channel: str = "v", moving: float = MOVING) -> float:
-    """Mean time [s] for which a channel above ``moving`` keeps a value while the car slows, or 0.
-
-    It is 0 without the channel or ``a_x``, and if the car slows for less than 0.5 s.
-    """
+    """Mean time [s] that a channel above ``moving`` keeps a value while the car slows, or 0."""
     if channel not in log or "a_x" not in log:
         return 0.0
     x, slowing = log[channel], log["a_x"] < -_SLOWING

@@ -5,10 +5,10 @@
 N is the brake force of nominal pads; [braked] is 1 where the pads bite; [slow] rises there from 0
 to 1 while a motor hands over to the brakes, before the car stands. ``force`` is positive for a
 motor that brakes with the pedal, or a zero of the pressure that is too low, and negative for a
-threshold pressure. ``fading`` is the motor's force that is lost when it hands over and the driver
-does not press harder: it is positive. Fade of the pads is in the trend, a bias of the accelerometer
-or an unknown resistance in the rest. The delay is a shift or a first-order lag, whichever fits
-better; the response may be wider than either.
+threshold pressure. ``fading``, also positive for a motor, is the force that is lost if the driver
+does not press harder during the handover. Fade of the pads is in the trend, a bias of the
+accelerometer or an unknown resistance in the rest. The delay is a shift or a first-order lag,
+whichever fits better; the response may be wider than either.
 
 The whole run is used. Wrong where ABS or a valve limits the brake force: that looks like force
 without pressure.
@@ -224,10 +224,7 @@ def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
 
 
 def _likeliest_delay(m: _Means, y: Array) -> tuple[float, bool]:
-    """Delay [s] of those tried with the greatest posterior probability, and whether it is a lag.
-
-    ``y`` (k,) is the demanded brake force where ``m.inside``.
-    """
+    """Most probable delay [s] for the demanded force ``y`` [N], and whether the delay is a lag."""
     tried, nominal, braked = _tried_delays(m)
     nominal, braked = nominal[:, m.inside], braked[:, m.inside]
     constant, slow = np.ones_like(nominal), np.broadcast_to(m.slow[m.inside], nominal.shape)

@@ -82,7 +82,6 @@ def _second_differences(log: Log, channel: str) -> Array:
 
 
 def _unit(x: Array) -> Array:
-    """``x`` over its norm; unchanged if the norm is zero."""
     norm = float(np.linalg.norm(x))
     return x / norm if norm > 0.0 else x
 
@@ -136,10 +135,7 @@ def _arrivals(x: Array, longest: float) -> Index | None:
 
 
 def without_holds(log: Log) -> Log:
-    """Return the log with held `_CHANNELS` interpolated between the arrivals of their values.
-
-    The log ends at the earliest last arrival of these channels.
-    """
+    """Return the log with held `_CHANNELS` interpolated, up to their earliest last arrival."""
     longest, end = _LONGEST / log.sample_time, log.time.size
     channels, interpolated = dict(log.channels), set(log.interpolated)
     for name in (channel for channel in _CHANNELS if channel in log):

@@ -44,8 +44,7 @@ class WheelParts:
 class _Crossed(NamedTuple):
     """A front and a rear wheel whose columns are exchanged.
 
-    ``part`` is the X or L that shows the exchange [1]; ``slipping`` are the two wheels that slip
-    more than the rest, as text.
+    ``part`` is the X or L that shows the exchange [1]; ``slipping`` the wheels that slip more.
     """
 
     wheels: tuple[str, str]

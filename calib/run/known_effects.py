@@ -124,10 +124,7 @@ def _at_plain_pads(
 
 
 def _true_motion(model: Model, log: Log) -> RunHistory:
-    """Motion of the car, with the errors of the accelerometer undone; without heat of the brakes.
-
-    a_x is found by iteration: the excess of the reading over the a_x as sensed is added to a_x.
-    """
+    """Motion of the car, errors of the accelerometer undone by iteration; brakes without heat."""
     car = model.vehicle
     omega = {a: 0.5 * (log[f"omega_{a}l"] + log[f"omega_{a}r"]) for a in AXLES}
     v = log["v"] if "v" in log else car.rear.rolling_radius * omega["r"]

@@ -88,10 +88,7 @@ _FEW = 10  # samples of a lead-in that are too few: half of the estimates would 
 
 
 def lead_in_noise(log: Log, s: Signals) -> SensorNoise:
-    """Estimate the noise from the lead-in alone, for causal use: white noise times `_COLOUR`.
-
-    Every noise is 0 for a lead-in of `_FEW` samples or less.
-    """
+    """Estimate the noise from the lead-in alone, for causal use: white noise times `_COLOUR`."""
     if np.count_nonzero(s.lead_in) <= _FEW:
         return SensorNoise(0.0, 0.0, 0.0, 0.0)
     omega = _rms([_white_sigma(x[s.lead_in]) for x in _half_differences(log)])

@@ -53,10 +53,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """Views of a ``log`` as read, of a ``vehicle`` with known effects.
-
-    If ``causal``, the signals are those that an ECU has (`causal_signals`).
-    """
+    """Views of a ``log`` of a ``vehicle``; if ``causal``, with the signals that an ECU has."""
 
     log: Log
     vehicle: Vehicle | None = None
@@ -108,14 +105,12 @@ class Run:
 
     @cached_property
     def rolling(self) -> Mask:
-        """Mask (n,) of the lead-in: unbraked rolling before the first braking; eta is zeroed there.
-
-        Without a pressure the deceleration shows the braking.
-        """
+        """Mask (n,) of the lead-in, unbraked rolling before the first braking; it zeroes eta."""
         if not self.moves or self.speed < MOVING:
             return np.zeros(self.log.time.size, bool)
         if "p_mc" in self.log:
             return self.signals.lead_in
+        # without a pressure the deceleration shows the braking
         pressure = np.where(self.driving.braked, 2.0 * BITE, 0.0)
         with_pressure = replace(self.log, channels={**self.log.channels, "p_mc": pressure})
         return signals(with_pressure).lead_in

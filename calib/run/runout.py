@@ -30,10 +30,7 @@ of a slow bus has another phase in each half."""
 
 
 def without_runout(omega: Array, step: float) -> Array:
-    """Return a wheel speed [rad/s] (n,) without the error of its ring; ``step`` sample time [s].
-
-    The speed is returned as it is if no order of the error is significant.
-    """
+    """Return a wheel speed [rad/s] (n,) without significant errors of its ring; ``step`` [s]."""
     time = step * np.arange(omega.size, dtype=np.float64)
     angle = integral(time, omega)
     use = (omega > _SLOWEST) & (omega * step < _COARSEST)

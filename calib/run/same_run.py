@@ -117,10 +117,7 @@ def _agree(a: _View, other: Log, step: float) -> bool:
 
 
 def _is_one_run(view: _View, other: _View, lag: int) -> bool:
-    """Whether D and r show one run, if ``other`` begins ``lag`` means after ``view``.
-
-    D is the median over the channels, of which the wheel speeds count as one.
-    """
+    """Whether D, the median of channels, and r show one run; ``other`` begins ``lag`` later."""
     pairs = {
         name: _overlap(view[name], other[name], lag)
         for name in _COMPARED
@@ -128,7 +125,7 @@ def _is_one_run(view: _View, other: _View, lag: int) -> bool:
     }
     spreads = {name: _spread(a, b) for name, (a, b) in pairs.items()}
     wheels = [spreads.pop(name) for name in WHEEL_SPEEDS if name in spreads]
-    if wheels:
+    if wheels:  # they count as one channel
         spreads["wheels"] = float(np.median(wheels))
     d = float(np.median(list(spreads.values()))) if spreads else np.inf
     if d < LIMITS.run_alike:

@@ -18,10 +18,7 @@ _RESTING = ("T_drive_f", "T_drive_r")
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Sensor:
-    """The sensor of one ``channel`` of a ``log``, in SI.
-
-    Without ``driving``, all of the log counts as unbraked and nothing as stuck.
-    """
+    """Sensor of a ``channel`` of a ``log``, SI; without ``driving`` all counts as unbraked."""
 
     channel: str
     log: Log
@@ -53,13 +50,10 @@ class Sensor:
 
     @cached_property
     def noise(self) -> float:
-        """Standard deviation of the white noise, unbraked, without outliers; NaN if too short.
-
-        Third differences contain almost no motion; those of white noise have 20 times its variance.
-        """
+        """Standard deviation of the white noise, unbraked, without outliers; NaN if too short."""
         if self._quiet.size < LIMITS.noise_fewest:
             return float("nan")
-        change = np.diff(self._quiet, 3)
+        change = np.diff(self._quiet, 3)  # almost no motion, and 20 times the variance of the noise
         usual = np.abs(change) <= 5.0 * np.quantile(np.abs(change), 0.84)  # 0.84: about one sigma
         return float(np.sqrt(np.mean(change[usual] ** 2) / 20.0))
 
@@ -88,10 +82,7 @@ class Sensor:
 
     @cached_property
     def saturated(self) -> float:
-        """Time for which the value stays at its highest (``a_x``: lowest) [s], 0 if that is usual.
-
-        0 for the channels of `_RESTING`, and for a pressure that the driver holds.
-        """
+        """Time for which the value stays at the end of its range [s], 0 if that is usual."""
         name, x = self.channel, self._x
         if name in _RESTING or (name.startswith("p_") and _is_held(x, self.driving)):
             return 0.0
@@ -125,17 +116,14 @@ def _flatness(x: Array) -> float:
 
 
 def _saturation(x: Array, step: float) -> float:
-    """Time at the highest value [s], if no other value is constant for nearly as long; else 0.
-
-    A value that is constant from the first sample on is that of a signal at rest: it is left out.
-    """
+    """Time at the highest value [s], if no other value is constant for nearly as long; else 0."""
     top = x.max()
     if not 10 <= np.count_nonzero(x == top) < x.size:
         return 0.0
     edges = np.concatenate([[0], np.flatnonzero(np.diff(x)) + 1, [x.size]])
     length, value = np.diff(edges), x[edges[:-1]]  # of each interval of equal values [samples]
     at_top = value == top
-    at_top[0] = False
+    at_top[0] = False  # a value from the first sample on is that of a signal at rest
     longest = int(length[at_top].max(initial=0))
     longest_other = int(length[value < top].max(initial=1))
     is_long = longest >= 10 and longest * step >= LIMITS.held and longest >= 5 * longest_other
@@ -143,10 +131,7 @@ def _saturation(x: Array, step: float) -> float:
 
 
 def _is_held(pressure: Array, driving: DrivingRecord | None) -> bool:
-    """Whether the driver holds the highest pressure: the deceleration is constant while it lasts.
-
-    Beyond the range of the sensor the deceleration would still rise.
-    """
+    """Whether the driver holds the highest pressure: beyond the sensor's range z would rise on."""
     if driving is None:
         return False
     at_highest = true_intervals(pressure == pressure.max())
@@ -158,11 +143,8 @@ def _is_held(pressure: Array, driving: DrivingRecord | None) -> bool:
 
 
 def _others_move(name: str, log: Log, driving: DrivingRecord, part: slice) -> bool:
-    """Whether the other channels show that ``name`` should have changed in ``part``.
-
-    Both ends of the part are left out: smoothing mixes in samples from outside, and the wheels of a
-    stopping car do not stop together.
-    """
+    """Whether the other channels show that ``name`` should have changed in ``part``."""
+    # at the ends smoothing mixes in other samples, and the wheels do not stop together
     edge = round(SMOOTHING / driving.step)
     inside = slice(part.start + edge, part.stop - edge)
     if name == "v" or name.startswith("omega"):

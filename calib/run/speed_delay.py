@@ -146,12 +146,10 @@ class _DelayEvidence:
 
     @cached_property
     def whitening(self) -> tuple[Array, float, Array]:
-        """Filter and sigma that make second differences white, and columns (k - 2, 2) of the start.
-
-        The columns span the effect of the unknown first v and slope on the white differences.
-        """
-        turned = (G * self.length * self.grade_walk) ** 2 * self.length
-        average, sigma = second_differences(*self.noise, turned)
+        """Filter and sigma that make second differences white; columns of the start (k - 2, 2)."""
+        grade = (G * self.length * self.grade_walk) ** 2 * self.length
+        average, sigma = second_differences(*self.noise, grade)
+        # what an unknown first v and an unknown slope add to the differences
         first = np.eye(self.usable.size, 2, -int(np.argmax(self.usable)))
         return average, sigma, np.linalg.qr(recursive_filter(first.T, average).T)[0]
 

@@ -67,8 +67,7 @@ def mismatch(a: Array, b: Array, mask: Mask, step: float) -> IntervalEstimate | 
 def half_width(rolling: Array, braked: float = np.inf) -> Array:
     """Half width of the 95 % interval of the mean of k independent values ``rolling`` (..., k).
 
-    With a number of ``braked`` values it is that of the difference of both means, if the braked
-    values have the same noise.
+    With a number of ``braked`` values of the same noise: that of the difference of both means.
     """
     from scipy.special import stdtrit
 
@@ -167,8 +166,7 @@ def rolling_radius(log: Log, driving: DrivingRecord) -> float | None:
 def _slope_over_wheels(driving: DrivingRecord, use: Mask) -> float | None:
     """Slope of the measured deceleration over that of the wheels [m], within ``use`` (n,).
 
-    None if the correlation is below 0.8, as on a wet road with much slip or with a wrong ``a_x``,
-    and if either deceleration hardly changes.
+    None without much change, or correlation: a wet road with much slip, or a wrong ``a_x``.
     """
     width = samples_in(LIMITS.slope_time, driving.step) | 1
     use = driving.moving & use

@@ -7,13 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calib.run.copies import (
-    _arrivals,
-    _mean_period,
-    copied_pairs,
-    shares_of_speed,
-    without_holds,
-)
+from calib.run.copies import _arrivals, _mean_period, copied_pairs, shares_of_speed, without_holds
 from tests.support.made_runs import changed, made_run, stop
 from tests.support.measuring_chain import Message, chained
 from tests.support.plant import as_log, drive
@@ -23,8 +17,8 @@ RUN = made_run(stop())
 
 
 def straight(x, longest=50.0):
-    came = _arrivals(x, longest)
-    return x if came is None else np.interp(np.arange(x.size), came, x[came])
+    arrivals = _arrivals(x, longest)
+    return x if arrivals is None else np.interp(np.arange(x.size), arrivals, x[arrivals])
 
 
 def held(x, period):
@@ -36,13 +30,12 @@ def test_noise_that_is_held_keeps_its_values_where_they_came(period, phase, seed
     noise = np.random.default_rng(seed).normal(size=2000)
     x = held(noise, period)[phase:]
     straightened = straight(x)
-    came = np.concatenate([[0], np.flatnonzero(np.diff(x)) + 1])
+    changes = np.concatenate([[0], np.flatnonzero(np.diff(x)) + 1])
     assert _mean_period(x) == period
-    np.testing.assert_allclose(straightened[came], x[came])
-    middle = (came[1:-1] + came[2:]) / 2.0
-    np.testing.assert_allclose(
-        np.interp(middle, np.arange(x.size), straightened), (x[came[1:-1]] + x[came[2:]]) / 2.0
-    )
+    np.testing.assert_allclose(straightened[changes], x[changes])
+    middle = (changes[1:-1] + changes[2:]) / 2.0
+    between = np.interp(middle, np.arange(x.size), straightened)
+    np.testing.assert_allclose(between, (x[changes[1:-1]] + x[changes[2:]]) / 2.0)
 
 
 def test_a_value_that_stays_for_long_came_again_with_each_period():
@@ -82,13 +75,7 @@ def test_one_signal_under_two_names_is_found_also_where_both_are_held():
 def test_a_derivative_of_v_has_the_noise_of_v_and_no_other(width):
     log = noisy(ramp(REAL), 9)
     shift = width // 2
-    derived = (
-        np.gradient(log["v"], log.time)
-        if width == 2
-        else (
-            (np.roll(log["v"], -shift) - np.roll(log["v"], shift)) / (2 * shift * log.sample_time)
-        )
-    )
+    derived = (np.roll(log["v"], -shift) - np.roll(log["v"], shift)) / (width * log.sample_time)
     derived[:shift], derived[-shift:] = derived[shift], derived[-shift - 1]
     with_derivative = replace(log, channels={**log.channels, "a_x": derived})
     assert dict(shares_of_speed(with_derivative))["v"] > 0.95

@@ -37,9 +37,7 @@ def test_step_with_a_long_hold_does_not_rise_for_long():
 
 def test_braking_counts_only_above_walking_pace():
     (event,) = events_of(made_run(stop(start=1.0, level=35.0), speed=10.0))
-    assert event.braking_time == pytest.approx(
-        7.0 / (0.5 * G), abs=0.1
-    )  # from 10 to 3 m/s with 0.5 g
+    assert event.braking_time == pytest.approx(7.0 / (0.5 * G), abs=0.1)  # 10 to 3 m/s at 0.5 g
 
 
 def test_lead_in_ends_before_the_brake_and_is_all_of_a_coast():

@@ -62,16 +62,11 @@ def test_what_is_left_is_numpy_s_for_each_fit():
 
 def test_a_ridge_is_as_rows_that_want_zero():
     rng = np.random.default_rng(1)
-    columns, y, ridge = (
-        rng.normal(size=(1, 3, 40)),
-        rng.normal(size=40),
-        np.array([0.0, 4.0, 900.0]),
-    )
+    columns, y, ridge = rng.normal(size=(1, 3, 40)), rng.normal(size=40), np.array([0.0, 4.0, 9e2])
     rows, wanted = np.vstack([columns[0].T, np.diag(np.sqrt(ridge))]), np.append(y, np.zeros(3))
-    left = wanted - rows @ np.linalg.lstsq(rows, wanted)[0]
-    assert residual_squares(inner_products(columns, y), ridge)[0] == pytest.approx(
-        float(left @ left), rel=1e-7
-    )
+    residual = wanted - rows @ np.linalg.lstsq(rows, wanted)[0]
+    square = residual_squares(inner_products(columns, y), ridge)[0]
+    assert square == pytest.approx(float(residual @ residual), rel=1e-7)
 
 
 def test_an_error_that_lasts_counts_for_as_long():

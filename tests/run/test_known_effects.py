@@ -65,8 +65,7 @@ def test_every_effect_comes_out_again(name):
 
 
 @pytest.mark.parametrize(
-    ("name", "channel", "most"),
-    [("accelerometer_lag", "a_x", 0.02), ("speed_delay", "v", 0.002)],
+    ("name", "channel", "most"), [("accelerometer_lag", "a_x", 0.02), ("speed_delay", "v", 0.002)]
 )
 def test_a_channel_that_is_late_comes_out_as_without_the_delay(name, channel, most):
     late, right = driven({name: typical(name)}, wave), driven({}, wave)

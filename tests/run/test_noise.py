@@ -6,13 +6,7 @@ from scipy.signal import lfilter
 
 from calib.run.axle_signals import signals
 from calib.run.blocks import blocks
-from calib.run.noise import (
-    WALK,
-    _long_run_density,
-    lead_in_noise,
-    sensor_noise,
-    sigma_growth,
-)
+from calib.run.noise import WALK, _long_run_density, lead_in_noise, sensor_noise, sigma_growth
 from tests.support.made_runs import RADIUS, changed, made_run, stop
 from tests.support.tables import VEHICLE
 

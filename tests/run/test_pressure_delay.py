@@ -61,8 +61,7 @@ def test_a_delay_is_found_wherever_it_is(name, delay):
 
 
 @pytest.mark.parametrize(
-    ("name", "delay"),
-    [*product(RAMPS, [0.5, 1.5, 3.0]), *product(RAMPS[:2], [-1.0])],
+    ("name", "delay"), [*product(RAMPS, [0.5, 1.5, 3.0]), *product(RAMPS[:2], [-1.0])]
 )
 def test_a_late_or_early_pressure_on_the_ramp_of_a_car(name, delay):
     log = late(read_log(SAMPLES / name), delay)
@@ -170,7 +169,5 @@ def test_a_wheel_whose_pressure_does_not_change_says_nothing(bar):
 def test_without_a_braking_or_a_lead_in_nothing_is_said():
     assert estimated_delay(made_run(lambda t: 0.0 * t)) is None
     log = made_run(stop(start=0.1))
-    assert (
-        estimated_delay(replace(log, channels={k: x[100:] for k, x in log.channels.items()}))
-        is None
-    )
+    without_lead_in = replace(log, channels={k: x[100:] for k, x in log.channels.items()})
+    assert estimated_delay(without_lead_in) is None

@@ -108,15 +108,9 @@ def test_the_load_share_of_a_known_drag_is_kept_as_it_is_given(coast):
 
 
 def test_known_effects_are_kept(coast):
-    car = replace(
-        CAR,
-        effects=Effects(
-            {
-                "aerodynamic_drag": {"drag_area": 0.66},
-                "rolling_resistance": {"coefficient": 0.011},
-            }
-        ),
-    )
+    drag, rolling = {"drag_area": 0.66}, {"coefficient": 0.011}
+    effects = Effects({"aerodynamic_drag": drag, "rolling_resistance": rolling})
+    car = replace(CAR, effects=effects)
     estimate = identify(car, [measured(coast)])
     assert estimate.specified
     assert estimate.mean == (0.66, 0.011)  # though the coast says 0.80 and 0.015

@@ -53,8 +53,8 @@ def test_sound_runs_have_no_stuck_sensor(noise, pressure):
 @pytest.mark.parametrize("channel", ["omega_rr", "v", "a_x"])
 def test_constant_sensor(channel):
     log = made_run(stop(end=5.0))
-    found = stuck(changed(log, **{channel: np.full(log.time.size, log[channel][0])}))
-    assert set(found) == {channel}
+    constant = np.full(log.time.size, log[channel][0])
+    assert set(stuck(changed(log, **{channel: constant}))) == {channel}
 
 
 @pytest.mark.parametrize("channel", ["omega_fl", "a_x", "p_mc"])
