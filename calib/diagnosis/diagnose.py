@@ -116,7 +116,6 @@ def diagnose(
 
 
 def _slows(vehicle: Vehicle, names: tuple[str, ...]) -> bool:
-    """Whether one of these effects slows the car."""
     return any(acts_on(definition(vehicle.effects, name), SLOWING) for name in names)
 
 

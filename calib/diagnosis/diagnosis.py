@@ -62,10 +62,10 @@ class RunnerUp:
 
 @dataclass(frozen=True)
 class Named:
-    """An effect that was accepted, with its evidence.
+    """An accepted effect, with its evidence.
 
-    ``indistinguishable_from`` are names that fit the data as well; ``separate_by`` is a feasible
-    drive that would distinguish them.
+    ``indistinguishable_from`` are names that fit the logs as well, ``separate_by`` a drive that
+    would separate these.
     """
 
     name: str
@@ -141,7 +141,6 @@ def _plain(value: Any) -> Any:
 
 
 def _plain_field(key: str, value: Any) -> Any:
-    """Return the value of a field as JSON types."""
     if key in _RANGES and isinstance(value, tuple):
         return {"range": _plain(value), "unit": _RANGES[key]}
     return _plain(value)
@@ -164,10 +163,7 @@ def _gap(gap: Gap) -> dict[str, Any]:
 
 
 def files_of(stems: list[str]) -> list[Path]:
-    """Return every file that a diagnosis writes, relative to its folder.
-
-    ``stems`` are the names of the hold-outs.
-    """
+    """Return every file that a diagnosis with the hold-outs ``stems`` writes into its folder."""
     sims = [Path("sim", when, f"{stem}.csv") for when in ("before", "after") for stem in stems]
     return [Path(_DOCUMENT), Path(_MODEL), Path(_REPORT), *sims]
 
@@ -195,5 +191,5 @@ def write_folder(diagnosis: Diagnosis, report: str, out: Path) -> list[Path]:
 
 
 def _replays(out: Path) -> list[str]:
-    """Return the replays in a folder, relative to the folder."""
+    """Paths of the replays in a folder, relative to the folder."""
     return [path.relative_to(out).as_posix() for path in out.glob("sim/*/*.csv")]

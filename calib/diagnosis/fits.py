@@ -29,8 +29,8 @@ the base, since the linear model may be wrong by that."""
 class Fits:
     """Hypotheses of a ``problem`` that were ``fitted``, by their keys.
 
-    ``base`` is the fit without effects; ``densities`` are ln of those of the ``holdouts``, by key;
-    ``attempts`` are pairs of keys of a part and of the fit of which it is a part.
+    ``base`` is the fit without effects; ``densities`` are ln of the density of the ``holdouts``, by
+    key; ``attempts`` are pairs of keys, of a part of a hypothesis and of that hypothesis.
     """
 
     problem: Problem
@@ -45,7 +45,7 @@ class Fits:
         self.add(self.base)
 
     def is_known(self, hypothesis: Hypothesis, promised: float) -> bool:
-        """Whether it was fitted, with an evidence that is not far below the ``promised`` one."""
+        """Whether a fit is stored whose evidence is not far below the ``promised`` one."""
         fit = self.fitted.get(hypothesis.key)
         return fit is not None and fit.log_evidence > promised - _PROMISED
 
@@ -59,8 +59,7 @@ class Fits:
     def best_of(self, tops: Sequence[Promise], near: Fit, least: float = -np.inf) -> list[Fit]:
         """Fit what is promised, from the columns of ``near``; best first.
 
-        Fits that may be the best one are pruned. A fit ends where ln of its evidence would stay
-        below ``least``.
+        Fits that may be the best are pruned. A fit ends if ln of its evidence is below ``least``.
         """
         unknown = [p for p in tops if not self.is_known(p.hypothesis, p.log_evidence)]
         if unknown:
@@ -118,8 +117,7 @@ class Fits:
     def density(self, fit: Fit) -> float:
         """ln of the density of the hold-outs given the other logs, by one linear model of both.
 
-        The model is linear about the random effects that fit the hold-outs. The density is right up
-        to a constant of the rows.
+        The model is linear about the random effects that fit the hold-outs; a constant is left out.
         """
         key, holdouts = fit.hypothesis.key, self.holdouts
         if key not in self.densities:

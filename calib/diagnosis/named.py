@@ -2,8 +2,7 @@
 
     columns of the logs + columns of a drive --> less what pads, tyres, effects explain --> sigma
 
-The drive is chosen by the linear model, which is right for small effects, and right in the order of
-magnitude for large ones.
+The drive is chosen by the linear model, which for large effects is right in the order of magnitude.
 """
 
 from collections.abc import Iterable
@@ -101,7 +100,7 @@ def named(verdict: Verdict) -> tuple[Named, ...]:
 
 
 def _runner_up(search: Search, name: str) -> RunnerUp | None:
-    """The most probable fit with other effects than ``name`` that explains something, or None."""
+    """The most probable fit without ``name`` whose effects explain something, or None."""
     for fit in sorted(search.fits.fitted.values(), key=lambda f: -f.log_evidence):
         gain = search.base.mean_square - fit.mean_square
         if fit.names and name not in fit.names and gain > 0.0:
@@ -110,7 +109,6 @@ def _runner_up(search: Search, name: str) -> RunnerUp | None:
 
 
 def _estimate(ends: Iterable[float], unit: str) -> ParameterEstimate:
-    """An estimate from its lower end, value and upper end."""
     low, value, high = ends
     return ParameterEstimate(value, unit, (low, high))
 
@@ -124,8 +122,7 @@ def _mean_square(fit: Fit, effects: Effects, runs: list[ObservedRun]) -> float:
 def _where(fit: Fit, name: str, without: Effects) -> Where:
     """Find where an effect acts, by what changes ``without`` it.
 
-    Channel and ranges are those in which innovations change most; the axle is that whose wheels
-    turn otherwise.
+    Channel and ranges are those of the largest changes, the axle that whose wheel speeds change.
     """
     vehicle, wheels, rows = fit.problem.vehicle, np.zeros(len(WHEELS)), []
     for run in fit.runs:
@@ -149,7 +146,7 @@ def _where(fit: Fit, name: str, without: Effects) -> Where:
 
 
 def _axle_of(front: float, rear: float) -> str:
-    """The axle of an effect from the squares of the changes of front and rear wheel speeds."""
+    """Axle of an effect, from the squares of its changes of front and rear wheel speeds."""
     if front + rear < 1e-9:
         return "body"
     if min(front, rear) > 0.2 * max(front, rear):
@@ -165,10 +162,7 @@ def _range_of(driver: Array, weight: Array) -> tuple[float, float]:
 
 
 def best_drive(fit: Fit, other: Fit) -> tuple[str, float]:
-    """Return the drive that best separates another fit from this one, by name.
-
-    Also return the distance of both fits [sigma] in the logs and that drive together.
-    """
+    """Return the drive that best separates two fits, and the distance of the fits then [sigma]."""
     problem = replace(fit.problem, runs=manoeuvres(fit))
     random_effects = np.zeros((len(problem.runs), len(RANDOM_EFFECTS)))
     state = replace(fit.state, random_effects=random_effects)

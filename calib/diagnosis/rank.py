@@ -2,9 +2,9 @@
 
     fit --trials--> changes of the innovations --promises--> hypotheses with their evidence
 
-An effect is a column for each point of its further parameters at which it is tried. The evidence of
-single effects, pairs and triples, with logs that differ in any groups of random effects, then is
-linear algebra of some ten rows.
+An effect has a column for each point of its parameters at which it is tried. The evidence of single
+effects, pairs and triples, with logs that differ in any groups of random effects, is then linear
+algebra of some ten rows.
 """
 
 import math
@@ -60,10 +60,7 @@ def trials(fit: Fit, names: Iterable[str] | None = None) -> list[Trial]:
 
 
 def _trials_of(fit: Fit, name: str) -> list[Trial]:
-    """Try an effect at full strength of either sign, and with each further parameter a spread off.
-
-    Points outside the range of the card are left out.
-    """
+    """Try an effect at full strength of either sign, with each further parameter a spread off."""
     elements = elements_of(fit.problem.vehicle.effects, name)
     unit = np.eye(len(elements))
     wider = replace(fit.hypothesis, names=(*fit.names, name))
@@ -137,7 +134,7 @@ class _Subset:
 
 
 def _ranked(E: Array, g: Array, names: Names, most: int) -> list[_Subset]:
-    """Single columns, pairs and triples of different effects, the best columns of each names.
+    """Single columns, pairs and triples of different effects, the best for each set of effects.
 
     ``E`` (c, c) and ``g`` (c,) are those of `Marginal.eliminated`, ``names`` (c,) the effects of
     the columns. Amounts are positive: the other sign of an effect is another column.
@@ -161,8 +158,7 @@ def _ranked(E: Array, g: Array, names: Names, most: int) -> list[_Subset]:
 def _extended(A: Array, g: Array, names: Names, columns: tuple[int, ...]) -> list[_Subset]:
     """Some columns with one further column, the best of each name, if all amounts are positive.
 
-    The amounts solve A x = g. The last one follows from a Schur complement, for all further columns
-    at once.
+    The amounts solve A x = g; a Schur complement gives the last one, for all columns at once.
     """
     fixed = list(columns)
     inside, d = A[np.ix_(fixed, fixed)], np.diag(A)

@@ -41,8 +41,7 @@ _STRAIGHT = 7.0
 """Ratio of the noise over up to four samples to that from sample to sample above which a channel
 was interpolated by straight lines. A ripple of ten times the noise has a ratio of 4."""
 _FLOOR = np.where(np.array(CHANNELS) == "v", 0.003, 0.005)
-"""Least noise (6,) of the channels, in their units: a simulated log may have none, and no car is
-described to better than that."""
+"""Least noise (6,) of the channels, in their units: no car is described to better than that."""
 _ROUNDS = 3  # most Gauss-Newton steps to the random effects of the hold-outs
 _NEAR = 1.0  # step [standard deviations] after which the linear model holds
 
@@ -52,8 +51,7 @@ class Gap:
     """Mean square of replay less measurement, over that of the noise, less 1, at least 0.
 
     ``squares`` (2, logs, 6) are those before and after, that is without and with the effects, by
-    log and channel [1]; ``logs`` the names of the logs; ``noise`` (6,) the standard deviations of
-    the channels, in their units.
+    log and channel [1]; ``noise`` (6,) the standard deviations of the channels, in their units.
     """
 
     logs: tuple[str, ...]
@@ -113,9 +111,9 @@ def noises_of(measured: Sequence[Log]) -> Array:
 def _noise_of(log: Log, channel: str) -> float:
     """Standard deviation of the noise of a channel, in its unit, from third differences.
 
-    These hold hardly any motion. The noise is the largest one over up to `_LONGEST`, but at most
-    `_SLOW` times that from sample to sample. A channel that was interpolated by straight lines
-    shows little from sample to sample, and has no such limit.
+    The noise is the largest one over up to `_LONGEST`, but at most `_SLOW` times that from sample
+    to sample. A channel that was interpolated by straight lines shows little from sample to sample,
+    and has no such limit.
     """
     fine = float(np.std(np.diff(log[channel], 3)) / np.sqrt(20.0))
     by_lag = [fine, *noise_over(log[channel], _LONGEST / log.sample_time)]
@@ -135,8 +133,7 @@ class HoldOuts:
     def replays(self, fit: Fit, random_effects: Array) -> tuple[Log, ...]:
         """Replay every log open loop with its ``random_effects`` (runs, 8).
 
-        Ripples follow the measured angle of the wheels. Raises ModelError if a replay cannot be
-        computed.
+        Ripples follow the measured angle of the wheels. Raises ModelError if a replay fails.
         """
         replays = []
         for log, run in zip(self.logs, runs_of(self.problem, random_effects), strict=True):
@@ -165,9 +162,9 @@ class Replayed:
     """A ``fit``, and the replays of the hold-outs by it.
 
     A simulation has no tyre discrepancies: ``simulated`` is the same hypothesis without them,
-    ``base`` the fit without effects. ``random_effects`` (runs, 8) are those of the hold-outs,
-    ``logs`` the replays, ``base_logs`` those of the base, with the same pads and roads, so that the
-    effects alone make the difference.
+    ``base`` the fit without effects. ``random_effects`` (runs, 8) are those of the hold-outs.
+    ``base_logs`` are replays of the base with the same pads and roads, so that effects alone make
+    the difference.
     """
 
     fit: Fit
@@ -181,8 +178,8 @@ class Replayed:
 def replayed(holdouts: HoldOuts, fit: Fit, base: Fit | None) -> Replayed:
     """Fit again without tyre discrepancies, and replay the hold-outs with and without effects.
 
-    ``base`` is the fit without effects, already without discrepancies; None if ``fit`` is the base.
-    Raises ModelError.
+    ``base`` is the fit without effects and discrepancies, or None for the base itself. Raises
+    ModelError if a replay fails.
     """
     simulated = without_discrepancy(fit)
     random_effects = placed(holdouts.problem, simulated)
@@ -201,10 +198,7 @@ def without_discrepancy(fit: Fit) -> Fit:
 
 
 def placed(holdouts: Problem, fit: Fit) -> Array:
-    """Fit the random effects (runs, 8) of each hold-out, all else as in ``fit``.
-
-    Those that no log may have stay 0.
-    """
+    """Fit the random effects (runs, 8) that a hold-out may have, all else as in ``fit``."""
     S = fit.hypothesis.sigmas
     places = np.flatnonzero(S)
     random_effects = np.zeros((len(holdouts.runs), len(RANDOM_EFFECTS)))

@@ -1,9 +1,8 @@
 """Check the logs of a diagnosis before and after the search, and make their sides even.
 
-A mistake made while logs are recorded or named looks like an effect that nobody knows. Logs that
-`check` and `fit` refuse are refused here, too, in the same words. So are mistakes that only show
-between logs: a hold-out that is a copy, a pressure that is not that of its run, and wheel speeds of
-front and rear axle that are swapped.
+A mistake made while logs are recorded or named looks like an unknown effect. Logs that `check` and
+`fit` refuse are refused here, too, in the same words. So are mistakes that only show between logs:
+a hold-out that is a copy, the pressure of another run, and wheel speeds of swapped axles.
 """
 
 from collections.abc import Sequence
@@ -37,9 +36,7 @@ _SEARCHED = (
 )
 """Codes of warnings that effects, pads or roads cause as well as mistakes do. A diagnosis that
 explains the logs has named their cause, so these warnings are not given."""
-
 _FITTED = 3  # number of promises that are fitted to logs with exchanged axles
-
 LARGEST, USUAL = 5e-3, 1e-3
 """Largest difference of left and right radii [1] that is taken out of the wheel speeds: one new
 tyre makes 5e-3, tyres of one age 1e-3. A brake that drags on one wheel looks like 1e-3 to 8e-3."""
@@ -109,18 +106,19 @@ def require_right_axles(
 ) -> None:
     """Raise LogError if front and rear wheel speeds are swapped in some or all ``logs``.
 
-    Suspected are the logs whose eta changes in the wrong direction by the ``warnings``. If the rear
-    wheels slip more, axles are swapped, or something brakes the rear wheels, such as a motor. The
-    more probable case is believed: the logs as given, with the best fit of the ``search``, or with
-    the axles exchanged in the suspected or in all logs, with the best of a few fits.
+    By the ``warnings`` a log is suspected if its rear wheels slip more: axles are swapped, or
+    something brakes the rear wheels, such as a motor. The more probable case is believed: the logs
+    as given, with the best fit of the ``search``, or with the axles exchanged in the suspected or
+    in all logs, with the best of a few fits.
     """
     swapped = {warning.log: warning for warning in warnings if warning.code == _SWAPPED}
     if not swapped:
         return
-    every = [_exchanged(log) for log in logs]
-    suspected = [_exchanged(log) if log.name in swapped else log for log in logs]
+    all_exchanged = [_exchanged(log) for log in logs]
+    some_exchanged = [_exchanged(log) if log.name in swapped else log for log in logs]
     best = search.fits.value(search.best)
-    if any(_log_evidence(search.problem, others) > best for others in (suspected, every)):
+    candidates = some_exchanged, all_exchanged
+    if any(_log_evidence(search.problem, exchanged) > best for exchanged in candidates):
         sources = [log.source for log in logs if log.name in swapped]
         raise LogError(next(iter(swapped.values())).text, where=", ".join(sources))
 
@@ -135,7 +133,6 @@ def _log_evidence(recorded: Problem, logs: Sequence[Log]) -> float:
 
 
 def _exchanged(log: Log) -> Log:
-    """Return the log with the wheel speeds of front and rear axle exchanged."""
     pairs = (("fl", "rl"), ("fr", "rr"), ("rl", "fl"), ("rr", "fr"))
     exchanged = {f"omega_{wheel}": log[f"omega_{other}"] for wheel, other in pairs}
     return replace(log, channels=log.channels | exchanged)
@@ -145,10 +142,9 @@ def with_even_sides(logs: Sequence[Log], largest: float) -> tuple[list[Log], flo
     """Return the logs with equal mean left and right wheel speeds of each axle while unbraked.
 
     Radii differ from day to day, by ten times what a speed sensor shows over a log, which would
-    hide every other effect. There is one ratio for each axle from all logs, so these must be of one
-    car with one set of tyres. An axle stays as it is if its sides differ by more than ``largest``
-    [1]: a brake that drags on one wheel looks alike. Radii of the axles are not changed: their
-    mismatch is an effect. Also return the largest difference that was taken out [1].
+    hide every other effect. All logs, of one car with one set of tyres, give one ratio for each
+    axle. An axle stays as it is if its sides differ by more than ``largest`` [1]: a brake that
+    drags on one wheel looks alike. Also return the largest difference that was taken out [1].
     """
     rolling = [driving_record(log).unbraked for log in logs]
     even, taken_out = list(logs), 0.0

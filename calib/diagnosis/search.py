@@ -4,8 +4,8 @@
 
 These are the moves. The linear model ranks what each move may give, and the best are fitted. The
 first fit that is surely more probable, on the hold-outs, too, is accepted, and the moves begin
-anew, until none is left. A promise is an evidence by the linear model, a gain a difference of ln of
-the evidence.
+anew, until none is left. A promise is a hypothesis with an evidence by the linear model, a gain a
+difference of ln of the evidence.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -28,14 +28,13 @@ from calib.diagnosis.terms import Ranked, ranked_terms
 from calib.logs.log import Log
 
 SURE = 10.0  # ln of the odds, of all logs together, from which something is believed or ruled out
-
-_SHARE = 0.05  # share of the excess of the squares that a cause of it takes at least
+_SHARE = 0.05  # share of the excess of the squares that an effect must explain
 _WIDER = 0.25  # share by which a fit may widen the gap on the way to a better one
 _WITHIN = 0.5  # widening of the gap that is allowed at least, in units of the noise
 _FRESH = 8  # further effects that are tried anew beside a fit
 _MOST = 12  # moves at most
 _QUIETER = 0.9  # share of a channel's noise below which a fit leaves it quieter
-_WRONG = 0.5  # share of a gain by which a linear model is wrong at most, of a motor's parameters
+_WRONG = 0.5  # share of a gain by which the linear model is wrong at most: it is so for a motor
 
 
 def run_search(problem: Problem, holdout: Sequence[Log]) -> "Search":
@@ -59,9 +58,9 @@ class Search:
     """The course of a search from ``base``, the fit without effects, to the ``best`` fit.
 
     ``fits`` has all that was fitted; ``first`` and ``further`` are trials of effects at the base
-    and at the best fit; ``rivals`` are fits that no log rules out. ``steps`` are the names of each
-    fit that was the best one in turn, ``accepted`` their replays; ``withdrawn`` the names of fits
-    that the hold-outs speak against, by keys.
+    and at the best fit; ``rivals`` are fits that no log rules out. ``accepted`` are the replays of
+    each fit that was the best in turn, ``steps`` the names of the effects of each; ``withdrawn``
+    the names of fits that the hold-outs speak against, by keys.
     """
 
     problem: Problem
@@ -120,10 +119,9 @@ class Search:
         return self.replayed(self.base)
 
     def gap(self, after: Replayed) -> Gap:
-        """The gap on the hold-outs without effects and with them.
+        """The gap on the hold-outs without and with effects, each with the best pads and roads.
 
-        Each is with the pads and roads that fit best: with those of a wrong fit, which may be far
-        off, any effect would shrink the gap.
+        With those of a wrong fit, which may be far off, any effect would shrink the gap.
         """
         return gap_of(self.base_replayed.logs, after.logs, self.holdouts.logs)
 
@@ -133,9 +131,9 @@ class Search:
         return gap.rms_after > gap.rms_before + max(_WIDER * gap.rms_before, _WITHIN)
 
     def accept(self, new: Fit, least: float = SURE) -> bool:
-        """Make a fit the best one if it gains more than ``least`` and does not widen the gap far.
+        """Make a fit the best if it gains enough and does not widen the gap far; return whether so.
 
-        Return whether it was accepted. A better fit of the best hypothesis need only gain.
+        Enough is more than ``least``, or more than 0 for a better fit of the best hypothesis.
         """
         same = new.hypothesis.key == self.best.hypothesis.key
         if sum(self._gains(new)) <= (0.0 if same else least):
@@ -178,10 +176,7 @@ class Search:
         return self.fits.best_of(tops, best, best.log_evidence - 2.0 * SURE)
 
     def more_probable(self, fits: Iterable[Fit]) -> Iterator[Fit]:
-        """Yield fits that are surely more probable than the best one, by evidence.
-
-        A cause takes more than a twentieth of all that is left (`_SHARE`).
-        """
+        """Yield fits that are surely more probable than the best one, best first."""
         best = self.best
         excess = best.mean_square - 1.0 - 3.0 * best.scatter
         least = max(SURE, _SHARE * 0.5 * excess * best.count)
@@ -207,8 +202,8 @@ class Search:
         """Fit one or two effects, or further groups, in the place of a part of the best fit.
 
         A best fit without effects gets one or two. The part may have stood for two effects. Without
-        the part the linear model may be far wrong, so the best two single effects are fitted,
-        whatever they promise. A pair must promise more than the best fit, and not hold the part.
+        the part the linear model may be far wrong, so the best two single effects are fitted
+        whatever they promise. A pair must promise more than the best fit, and not have the part.
         """
         best, fits = self.best, []
         count, more_groups = len(best.names), bool(best.hypothesis.groups)
@@ -233,10 +228,7 @@ class Search:
         return ranked_terms(self.base)
 
     def is_no_effect(self) -> bool:
-        """Whether a term alone promises more than the best fit and all moves from there.
-
-        The moves are further effects, and logs that differ in further groups.
-        """
+        """Whether a term alone promises more than the best fit and all moves from that fit."""
         best = self.best
         is_excess = best.mean_square > 1.01 + 3.0 * best.scatter or best.random_effects_excess > 5.0
         if not (best.names and is_excess):
@@ -252,7 +244,7 @@ class Search:
         return by_term > max(p.log_evidence for p in others)
 
     def _odds(self, fit: Fit) -> float:
-        """ln of the odds between rivals; effects that every car has cost no price there."""
+        """ln of the odds between rivals, where effects that every car has cost no price."""
         return self.fits.value(fit) + fit.hypothesis.price_of_usual
 
     def _rivals(self) -> tuple[Fit, ...]:

@@ -4,8 +4,8 @@
 
 A place is a part of the car, such as the front brakes; a driver is a variable, such as pressure.
 Every driver is a function of time along a log, so the changes of the innovations by short pulses
-give those by any function of any driver. Increments from knot to knot are normal; their size is the
-one that the logs make most probable. The term describes; it is no physical cause.
+give those by any function of any driver. Increments from knot to knot are normal, of the size that
+the logs make most probable. The term describes; it is no physical cause.
 """
 
 from collections.abc import Sequence
@@ -30,8 +30,8 @@ _KNOTS = 20  # number of knots of a driver
 _WALKS = {True: (0.003, 0.01, 0.03, 0.1), False: (0.0003, 0.001, 0.003, 0.01)}
 """Standard deviations of an increment [1]: of a brake torque, and of a force over the weight."""
 
-_PULSE = 0.1  # half the width of a triangular pulse, and the distance of their middles [s]
-_APART = 10  # number of such distances from one pulse to the next that is tried with it
+_PULSE = 0.1  # half the width of a triangular pulse, and the distance from pulse to pulse [s]
+_APART = 10  # distance of two pulses that are tried together [pulses]
 _BEFORE, _AFTER = 0.3, 0.7  # times [s] around the middle of a pulse in which innovations change
 _STEP = 0.02  # height of a pulse [1]
 _FITTED = 2  # number of terms that are fitted
@@ -48,11 +48,9 @@ class Ranked:
 
 
 def ranked_terms(fit: Fit) -> list[Ranked]:
-    """Rank every place and driver beside a fit, by one linear model; best first.
-
-    A driver over temperature needs a logged temperature.
-    """
-    pulses, by_place = {}, fit.problem.mapped(partial(_pulses, fit.for_worker), _BASIC)
+    """Rank terms at every place and over every logged driver beside a fit; best first."""
+    pulses = {}
+    by_place = fit.problem.mapped(partial(_pulses, fit.for_worker), _BASIC)
     for number, (place, of_place) in enumerate(zip(_BASIC, by_place, strict=True)):
         fit.problem.tell("looking for the place of what is left", number, len(_BASIC))
         pulses[place] = of_place
@@ -72,8 +70,8 @@ def ranked_terms(fit: Fit) -> list[Ranked]:
 def with_terms(fit: Fit, ranked: Sequence[Ranked]) -> list[Fit]:
     """Fit the best of the ``ranked`` terms beside a fit; best first.
 
-    A constant term is among them where it promises hardly less: every other driver can imitate it,
-    and the linear model is too inexact for so small a difference.
+    A constant term is among them if it promises hardly less: every other driver can imitate a
+    constant, and the linear model is too inexact for so small a difference.
     """
     least = (1.0 - PLAIN) * ranked[0].log_gain
     constant = [r for r in ranked if r.walk.driver == "constant" and r.log_gain >= least]
@@ -85,7 +83,6 @@ def with_terms(fit: Fit, ranked: Sequence[Ranked]) -> list[Fit]:
 
 
 def _fitted(fit: Fit, ranked: Ranked) -> Fit:
-    """Fit a term beside a fit."""
     state = replace(fit.state, x=np.concatenate([fit.state.x, ranked.values]))
     return fit_logs(fit.problem, replace(fit.hypothesis, walk=ranked.walk), state, fit.columns)
 
@@ -136,16 +133,14 @@ def _ranked(
     pulses: dict[str, list[Array]],
     histories: Sequence[ObservedRun],
 ) -> Ranked:
-    """A random walk on a place over a driver, of the best size.
-
-    A knot acts with a hat function of the driver, so by the pulses under that hat.
-    """
+    """A random walk on a place over a driver, of the best size."""
     knots, columns = _knots(fit, place, driver), []
     parts = ("front_brakes", "rear_brakes") if place == "brakes" else (place,)
     for i, run in enumerate(histories):
         of_parts = []
         for part in parts:
             (signal,) = drivers_of(part, driver, run)
+            # a knot acts with a hat function of the driver, so by the pulses under that hat
             at_pulses = np.interp(_middles(run), run.time - run.time[0], signal)
             weights = np.stack([np.interp(at_pulses, knots, hat) for hat in np.eye(knots.size)])
             of_parts.append(weights @ pulses[part][i])

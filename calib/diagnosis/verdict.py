@@ -6,11 +6,9 @@
 Something is left if an empirical term is surely more probable, if the innovations have far more
 than noise, or if the replays are far off. It is no known effect if a term alone is surely more
 probable than the named effects, or if these close too little of the gap. `unexplained_of` describes
-what is left: the place where it acts, the variable on which it depends, and the share of it that a
-term explains. A term cannot follow what depends on the angle of the wheels, since these start at
-another angle in every run. Nor can it follow what swings with a frequency of its own after every
-application, as liquid in a tank or a body on its springs does. A term also shows a brake torque
-that something holds, though not what holds it.
+what is left, by a term where one can follow. No term follows what depends on the angle of the
+wheels, which start at another angle in every run, or what swings with a frequency of its own after
+every application, like liquid in a tank or a body on its springs.
 
 The excess is what the sum of squares of the innovations has beyond noise.
 """
@@ -44,11 +42,9 @@ tests/studies/naming.py."""
 WHEEL_ANGLE, FREQUENCY, SLIP = "wheel_angle", "frequency", "slip"  # drivers that no term has
 
 _HARMONICS = (1, 2)  # of the wheel's turn; run-out and uneven spacing show in the first ones
-_HELD = 0.5  # slope of a torque over pressure, over their ratio, below which it is held [1]
-
+_HELD = 0.5  # relative slope d ln(torque)/d ln(pressure) below which a torque is held [1]
 _ONE_SIDED = 0.3  # share of the excess that one wheel must take to be named
 _NO_TERM = 0.1  # share of the excess that must go with the wheel angle, or swing, to be the driver
-
 _WINDOW = round(4.0 / STEP)  # innovations in a window of 4 s
 _SLOWEST, _FASTEST = 2, 20
 """First and last line of the spectrum that may swing, 0.5 and 5 Hz: an error that lasts for a stop
@@ -60,10 +56,9 @@ that of a lag, is in all lines; a swing of 0.5 Hz or more has at most a fifth at
 
 @dataclass(frozen=True)
 class Verdict:
-    """Result of a ``search``: the best fit, with its replays ``after``.
+    """Result of a ``search``: replays ``after`` by the best fit, and ``rivals`` that are as likely.
 
-    ``rivals`` are as likely; ``term`` is the fit with the best empirical term beside the best fit,
-    or None if nothing is left.
+    ``term`` is the best fit with the best empirical term, or None if nothing is left.
     """
 
     search: Search
@@ -125,8 +120,8 @@ def _closing(search: Search) -> tuple[Replayed, list[Ranked], list[Fit]]:
 def _remaining_terms(search: Search, fit: Fit, terms: Sequence[Ranked]) -> list[Fit]:
     """Fit the best of these terms beside a fit if more than noise is left; else return none.
 
-    More is left if the innovations have far more, or if a term is surely more probable, also on the
-    hold-outs, since a term has no law behind it.
+    More is left if the innovations are far larger, or if a term, which has no law behind it, is
+    surely more probable on the hold-outs, too.
     """
     is_strange = fit.mean_square > 1.01 + _STRANGE * fit.scatter
     if not is_strange and terms[0].log_gain < SURE:
@@ -143,7 +138,7 @@ class Oscillation:
     """The strongest line of the spectrum of what is left.
 
     ``share`` of the excess [1] swings at ``frequency`` [Hz]; 0 if no line stands out. ``body`` says
-    whether most of it is in a_x and v, so that the car as a whole swings.
+    whether most of the swing is in a_x and v, so that the car as a whole swings.
     """
 
     frequency: float
@@ -155,14 +150,13 @@ class Oscillation:
 class Unexplained:
     """The empirical ``term`` that explains most of what is left, and where and how it acts.
 
-    ``driver`` is the variable on which it depends: that of the term; `WHEEL_ANGLE` if ``turning``,
-    the share of the excess that goes with the angle of the wheels, is larger than the share of the
-    term; `FREQUENCY` if that of ``oscillation`` is; or `SLIP` if the torque of front brakes is
-    held, which no valve does. ``place`` is one of `PLACES`: that of the term, unless it swings.
-    ``held_from`` is the pressure from which a brake torque is held [Pa]. ``size`` is the rms of the
-    gap that replays leave without the term, over the noise of the sensors [1]. ``explained`` is the
-    share of the excess that the term takes, at most 1. ``wheel`` is slower than the other wheel of
-    its axle, if that is most of the excess.
+    ``explained`` is the share of the excess that the term takes, at most 1; ``turning`` the share
+    that goes with the angle of the wheels. ``driver`` is the variable with the largest share: that
+    of the term, `WHEEL_ANGLE`, or `FREQUENCY` for the ``oscillation``. It is `SLIP` if the torque
+    of front brakes is held, which no valve does. ``place`` is one of `PLACES`. ``held_from`` is the
+    pressure from which a brake torque is held [Pa]. ``size`` is the rms of the gap that replays
+    leave without the term, over the noise of the sensors [1]. ``wheel`` is one that is always
+    slower than the other wheel of the axle, if that is much of the excess.
     """
 
     place: str
@@ -256,8 +250,8 @@ def oscillation_of(whitened: Sequence[Array], excess: float) -> Oscillation:
     """The strongest line of whitened innovations (6, m) of all runs, over the ``excess``."""
     frequencies = np.arange(_FASTEST + 2) / (_WINDOW * STEP)
     phase = 2.0 * np.pi * np.outer(frequencies, STEP * np.arange(_WINDOW))
-    whole = [x[:, : x.shape[1] // _WINDOW * _WINDOW] for x in whitened]  # whole windows
-    windows = np.hstack(whole).reshape(len(CHANNELS), -1, _WINDOW)
+    full = [x[:, : x.shape[1] // _WINDOW * _WINDOW] for x in whitened]  # full windows
+    windows = np.hstack(full).reshape(len(CHANNELS), -1, _WINDOW)
     power = np.sum(_power_of(windows, phase), axis=1)
     lines = np.sum(power, axis=0)
     peak = _SLOWEST + int(np.argmax(lines[_SLOWEST:-1]))
@@ -276,7 +270,7 @@ def oscillation_of(whitened: Sequence[Array], excess: float) -> Oscillation:
 def _power_of(x: Array, phase: Array) -> Array:
     """Squares (..., k) of innovations (..., n) that waves of a ``phase`` (k, n) [rad] explain.
 
-    Those that they explain of noise alone are subtracted: two a wave, by cosine and sine.
+    The two that cosine and sine explain of noise alone are subtracted.
     """
     return np.asarray(2.0 * np.abs(x @ np.exp(1j * phase).T) ** 2 / x.shape[-1] - 2.0)
 

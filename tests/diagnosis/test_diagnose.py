@@ -42,34 +42,33 @@ def drag() -> HiddenCase:
 
 
 @pytest.fixture(scope="module")
-def told(drag) -> tuple[Diagnosis, list[tuple[str, int, int]]]:
-    """The diagnosis of the drag, and what was told of its progress."""
+def reported(drag) -> tuple[Diagnosis, list[tuple[str, int, int]]]:
+    """The diagnosis of the drag, and the reports of its progress."""
     stages = list[tuple[str, int, int]]()
     logs = list(drag.calibration), list(drag.holdout)
-    return diagnose(drag.vehicle, *logs, lambda *one: stages.append(one)), stages
+    return diagnose(drag.vehicle, *logs, lambda *stage: stages.append(stage)), stages
 
 
-def test_a_single_effect_is_named_with_an_interval_that_holds_it(drag, told):
-    found, steps = told
-    assert found.verdict == "named"
-    assert [effect.name for effect in found.effects] == ["aerodynamic_drag"]
-    low, high = found.effects[0].parameters["drag_area"].ci95
+def test_a_single_effect_is_named_with_an_interval_that_holds_it(drag, reported):
+    diagnosis, steps = reported
+    assert diagnosis.verdict == "named"
+    assert [effect.name for effect in diagnosis.effects] == ["aerodynamic_drag"]
+    low, high = diagnosis.effects[0].parameters["drag_area"].ci95
     assert low <= drag.hidden.drag_area <= high
-    assert found.gap.closed > 0.8
-    assert found.gap.rms_after < 1.5  # in units of the noise
+    assert diagnosis.gap.closed > 0.8
+    assert diagnosis.gap.rms_after < 1.5  # in units of the noise
     assert all(0 <= done < total for _, done, total in steps)
     assert len({stage for stage, _, _ in steps}) > 4
 
 
 @pytest.mark.slow
-def test_a_cause_outside_the_catalogue_beside_an_effect_is_told():
+def test_a_cause_outside_the_catalogue_beside_an_effect_is_reported():
     """A drag of the catalogue, beside brakes that weaken, which no card has."""
     names = ("aerodynamic_drag", "weaker_applications")
-    found = diagnosed(draw("double", 72, names=names, severity=1))
-    assert found.verdict in ("named", "unknown")
-    assert {effect.name for effect in found.effects} <= {"aerodynamic_drag"}
-    told = to_dict(found)["unexplained"]
-    assert told["size"] > 0.0
+    diagnosis = diagnosed(draw("double", 72, names=names, severity=1))
+    assert diagnosis.verdict in ("named", "unknown")
+    assert {effect.name for effect in diagnosis.effects} <= {"aerodynamic_drag"}
+    assert to_dict(diagnosis)["unexplained"]["size"] > 0.0
 
 
 @pytest.mark.slow
@@ -85,51 +84,47 @@ def test_a_cause_outside_the_catalogue_beside_an_effect_is_told():
     ],
 )
 def test_what_is_named(kind, seed, names, severity, named):
-    found = diagnosed(draw(kind, seed, names, severity))
-    assert {effect.name for effect in found.effects} == set(names if named is None else named)
-    assert (found.verdict == "unknown") == (kind == "outside")
+    diagnosis = diagnosed(draw(kind, seed, names, severity))
+    assert {effect.name for effect in diagnosis.effects} == set(names if named is None else named)
+    assert (diagnosis.verdict == "unknown") == (kind == "outside")
 
 
-def in_words(found: Diagnosis) -> tuple[object, ...]:
+def in_words(diagnosis: Diagnosis) -> tuple[object, ...]:
     """What a diagnosis says in words."""
-    return (
-        found.verdict,
-        found.unexplained,
-        [(one.name, one.where.channel, one.where.axle) for one in found.effects],
-        [one.code for one in found.warnings],
-    )
+    effects = [(e.name, e.where.channel, e.where.axle) for e in diagnosis.effects]
+    codes = [warning.code for warning in diagnosis.warnings]
+    return diagnosis.verdict, diagnosis.unexplained, effects, codes
 
 
-def numbers(found: Diagnosis) -> dict[str, tuple[float, float, float]]:
+def numbers(diagnosis: Diagnosis) -> dict[str, tuple[float, float, float]]:
     """Every parameter with its interval."""
-    every = {f"{e.name} {p}": x for e in found.effects for p, x in e.parameters.items()}
-    return {name: (x.value, *x.ci95) for name, x in (every | found.base).items()}
+    of_effects = {f"{e.name} {p}": x for e in diagnosis.effects for p, x in e.parameters.items()}
+    return {name: (x.value, *x.ci95) for name, x in (of_effects | diagnosis.base).items()}
 
 
-def test_a_diagnosis_does_not_hang_on_the_last_digits(drag, told):
+def test_a_diagnosis_does_not_depend_on_the_last_digits(drag, reported):
     """Nor on those of a matrix product."""
-    found, other = told[0], diagnosed(moved(drag, 1))
-    assert in_words(other) == in_words(found)
-    for name, (value, low, high) in numbers(found).items():
-        assert np.abs(numbers(other)[name] - np.array([value, low, high])).max() <= 1e-4 * (
-            high - low
-        ), name
+    diagnosis, other = reported[0], diagnosed(moved(drag, 1))
+    assert in_words(other) == in_words(diagnosis)
+    for name, (value, low, high) in numbers(diagnosis).items():
+        change = np.abs(numbers(other)[name] - np.array([value, low, high])).max()
+        assert change <= 1e-4 * (high - low), name
 
 
 @pytest.mark.slow
-def test_the_order_of_the_logs_does_not_matter(drag, told):
+def test_the_order_of_the_logs_does_not_matter(drag, reported):
     other = diagnose(drag.vehicle, list(drag.calibration)[::-1], list(drag.holdout))
-    assert to_dict(told[0]) == to_dict(other)
+    assert to_dict(reported[0]) == to_dict(other)
 
 
 @pytest.mark.slow
 def test_what_each_log_has_of_its_own_is_no_effect():
     """Pads of each log beside a cause; slopes and zeros of each are in `test_verdict.py`."""
     case = draw("unlike", 3, ("pad_speed_dependence",), severity=1)
-    found = diagnosed(case)
-    assert [effect.name for effect in found.effects] == ["pad_speed_dependence"]
-    assert (found.verdict, found.unexplained, found.warnings) == ("named", None, ())
-    assert found.gap.rms_after < 2.0
+    diagnosis = diagnosed(case)
+    assert [effect.name for effect in diagnosis.effects] == ["pad_speed_dependence"]
+    assert (diagnosis.verdict, diagnosis.unexplained, diagnosis.warnings) == ("named", None, ())
+    assert diagnosis.gap.rms_after < 2.0
 
 
 LATE = {
@@ -145,9 +140,9 @@ def test_channels_that_a_bus_sends_late_are_named_as_that_together():
     case, rng = draw("none", 4402), np.random.default_rng(5)
     parts = (case.calibration, case.holdout)
     logs, held = (tuple(chained(log, LATE, rng) for log in part) for part in parts)
-    found = diagnosed(replace(case, calibration=logs, holdout=held))
-    assert found.verdict == "named"
-    late = {effect.name: effect.parameters for effect in found.effects}
+    diagnosis = diagnosed(replace(case, calibration=logs, holdout=held))
+    assert diagnosis.verdict == "named"
+    late = {effect.name: effect.parameters for effect in diagnosis.effects}
     delays = ("hydraulic_delay", "speed_delay", "wheel_speed_delay", "accelerometer_lag")
     assert late.keys() <= set(delays)
     # against the wheels, as all of them are late against p_mc besides
@@ -167,7 +162,7 @@ def test_logs_that_cannot_give_an_answer_are_refused(drag):
     blind = [
         replace(log, channels={k: v for k, v in log.channels.items() if k != "v"}) for log in logs
     ]
-    for vehicle, given, kept, said in (
+    for vehicle, calibration, holdout, message in (
         (drag.vehicle, logs, [], "no hold-out"),
         (drag.vehicle, logs, [logs[0]], "among the calibration logs"),
         (drag.vehicle, [*logs, logs[0]], held, "given twice"),
@@ -176,5 +171,5 @@ def test_logs_that_cannot_give_an_answer_are_refused(drag):
         (drag.vehicle, coasts, held, "nothing is braked"),
         (drag.vehicle, blind, held, "no reference speed"),
     ):
-        with pytest.raises(LogError, match=said):
-            diagnose(vehicle, given, kept)
+        with pytest.raises(LogError, match=message):
+            diagnose(vehicle, calibration, holdout)

@@ -18,7 +18,7 @@ def named():
     return named_drag()
 
 
-def test_the_gap_is_told_by_channel(named):
+def test_the_gap_is_written_by_channel(named):
     gap = to_dict(named)["gap"]
     assert (gap["before"], gap["after"]) == named.gap.rms()
     assert gap["by_channel"]["v"] == {
@@ -30,11 +30,10 @@ def test_the_manual_has_every_headline_and_names_keys_that_exist(named):
     text = PAGE.read_text()
     for kind, _ in KINDS.values():
         assert kind in text, kind
-    told = to_dict(named)
     keys = re.findall(r"((?:`\w+`(?:, | and )?)+)\s+in\s+`diagnosis\.json`", text)
     names = {name for group in keys for name in re.findall(r"\w+", group.replace(" and ", " "))}
     assert len(names) >= 5
-    assert names <= set(told)
+    assert names <= set(to_dict(named))
 
 
 def test_it_has_the_keys_of_the_page_of_documents(named):

@@ -12,15 +12,11 @@ from tests.support.refusals import why_not
 
 def braked(plant: Plant, name: str, pressure: float, rise: float, v0: float) -> Log:
     """Braked from 0.5 s on: shorter than any part from which noise can be taken."""
-    run = drive(
-        plant,
-        lambda t: pressure * min(max((t - 0.5) / rise, 0.0), 1.0),
-        v0,
-        duration=6.0,
-        rate=40.0,
-        stop_speed=2.0,
-    )
-    return as_log(run, name)
+
+    def pressed(t: float) -> float:
+        return pressure * min(max((t - 0.5) / rise, 0.0), 1.0)
+
+    return as_log(drive(plant, pressed, v0, duration=6.0, rate=40.0, stop_speed=2.0), name)
 
 
 def logs(plant: Plant) -> tuple[list[Log], list[Log]]:
@@ -46,17 +42,16 @@ def test_a_car_that_lacks_nothing_has_no_gap(ideal):
 
 
 @pytest.mark.slow
-def test_three_effects_of_a_real_car_are_told_with_their_sizes():
+def test_three_effects_of_a_real_car_are_named_with_their_sizes():
     """Three short stops: a slope or an engine is like some of it, so others may be as likely."""
-    found = diagnose(CAR, *logs(REAL))
-    told = {name: p.value for effect in found.effects for name, p in effect.parameters.items()}
-    truth = {
+    diagnosis = diagnose(CAR, *logs(REAL))
+    values = {name: p.value for e in diagnosis.effects for name, p in e.parameters.items()}
+    assert values == {
         "drag_area": pytest.approx(0.66, rel=0.05),
         "load_share": pytest.approx(1.0, abs=0.1),
         "coefficient": pytest.approx(0.011, rel=0.05),
         "rolling_growth": pytest.approx(0.0, abs=0.01),
         "radius_mismatch": pytest.approx(0.0008, rel=0.05),
     }
-    assert told == truth
-    assert found.unexplained is None
-    assert found.gap.closed > 0.9
+    assert diagnosis.unexplained is None
+    assert diagnosis.gap.closed > 0.9

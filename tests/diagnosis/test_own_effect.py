@@ -16,8 +16,7 @@ from tests.support.plant import magic
 
 pytestmark = pytest.mark.slow
 
-AREA = 0.7
-"""Of the hidden flap [m^2]."""
+AREA = 0.7  # of the hidden flap [m^2]
 
 UP = "up = 0.5 * (1.0 + np.tanh((motion.history.p_mc - OPENS) / 1e5))"
 OF_THE_PLANT = "up = np.clip((motion.history.p_mc - 2e5) / 10e5, 0.0, 1.0)"
@@ -34,10 +33,10 @@ def test_a_flap_of_the_plant_is_named_by_the_effect_of_the_file(tmp_path):
     names = ("coast", "ramp", "release", "step_high", "stop_a", "stop_b")
     logs = [add_noise(run(car, name, rng), i, NOISE) for i, name in enumerate(names)]
     (own,) = read_own_effects([file])
-    found = diagnose(with_own(CARS[1], [own]), logs[:4], logs[4:])
-    assert found.verdict == "named"
-    assert [effect.name for effect in found.effects] == ["air_brake_flap"]
-    assert found.effects[0].parameters["flap_area"].value == pytest.approx(AREA, rel=0.1)
-    assert found.effects[0].where.axle == "body"
-    assert found.gap.closed > 0.85
-    assert dict(diagnosis_facts(found).parts[0].rows)["Cause"] == own.effect.card.cause
+    diagnosis = diagnose(with_own(CARS[1], [own]), logs[:4], logs[4:])
+    assert diagnosis.verdict == "named"
+    assert [effect.name for effect in diagnosis.effects] == ["air_brake_flap"]
+    assert diagnosis.effects[0].parameters["flap_area"].value == pytest.approx(AREA, rel=0.1)
+    assert diagnosis.effects[0].where.axle == "body"
+    assert diagnosis.gap.closed > 0.85
+    assert dict(diagnosis_facts(diagnosis).parts[0].rows)["Cause"] == own.effect.card.cause

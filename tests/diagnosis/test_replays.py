@@ -26,10 +26,9 @@ def gap():
         noisy = {c: x + chance.normal(0.0, NOISE, time.size) for c, x in smooth.items()}
         log = Log(name, "", "", {"time": time, **noisy})
         measured.append(log)
-        for logs, off in ((before, first), (after, last)):
-            logs.append(
-                replace(log, channels={"time": time} | {c: x + off for c, x in smooth.items()})
-            )
+        for logs, error in ((before, first), (after, last)):
+            wrong = {c: x + error for c, x in smooth.items()}
+            logs.append(replace(log, channels={"time": time} | wrong))
     return gap_of(before, after, measured)
 
 

@@ -50,12 +50,11 @@ def apart(a: float, b: float) -> float:
 
 def test_the_origins_of_the_runs_differ_as_their_first_angles_do(runs):
     _, logs = runs
-    shifted = problem_of(CAR, [run_of(log) for log in logs]).runs
-    first = [
-        run.angle_f[0] - run_of(log).angle_f[0] for run, log in zip(shifted, logs, strict=True)
-    ]
-    for found, angle in zip(first, STARTS, strict=True):
-        assert apart(found - first[0], angle - STARTS[0]) < 0.15
+    recorded = [run_of(log) for log in logs]
+    shifted = problem_of(CAR, recorded).runs
+    origins = [a.angle_f[0] - b.angle_f[0] for a, b in zip(shifted, recorded, strict=True)]
+    for origin, angle in zip(origins, STARTS, strict=True):
+        assert apart(origin - origins[0], angle - STARTS[0]) < 0.15
 
 
 def test_the_gap_of_a_ripple_shrinks_on_hold_outs(runs):

@@ -49,16 +49,15 @@ def test_a_copy_of_a_calibration_log_is_no_hold_out(late):
     assert message.startswith(f"mine.parquet: the same run as {ramp.source}")
     assert "no hold-out and proves nothing" in message
     assert "given twice" in refused(late, [*late.calibration, copy])
-    assert "held out twice" in refused(
-        late, list(late.calibration), [*late.holdout, changed(late.holdout[0])]
-    )
+    twice = [*late.holdout, changed(late.holdout[0])]
+    assert "held out twice" in refused(late, list(late.calibration), twice)
 
 
 def test_a_motor_on_the_rear_axle_is_warned_of_where_it_is_not_named():
     case = draw("single", 41, names=("regenerative_torque",), severity=2, only=FIVE)
     assert case.hidden.regen_axle == 1
     warnings = checked(case.vehicle, list(case.calibration), list(case.holdout))
-    assert "axles_swapped" in {one.code for one in warnings}
+    assert "axles_swapped" in {warning.code for warning in warnings}
     assert unexplained_warnings(warnings, unexplained=False, grouped=False) == ()
     assert set(unexplained_warnings(warnings, unexplained=True, grouped=False)) == set(warnings)
 
@@ -88,7 +87,7 @@ def test_a_zero_of_the_pressure_is_warned_of_whatever_was_found(late):
     logs = with_(late, "hot", lambda log: changed(log, p_mc=log["p_mc"] + 0.8e5))
     warnings = checked(late.vehicle, logs, list(late.holdout))
     remaining = unexplained_warnings(warnings, unexplained=False, grouped=False)
-    assert [(one.code, one.log) for one in remaining] == [("pressure_zero", "hot")]
+    assert [(warning.code, warning.log) for warning in remaining] == [("pressure_zero", "hot")]
 
 
 def test_clean_logs_are_not_complained_of():
@@ -123,14 +122,12 @@ def scaled(log, factors):
 def test_unlike_radii_of_left_and_right_are_taken_out_and_axles_stay():
     logs = draw("none", 11, only=FIVE[:3]).calibration
     even, _ = with_even_sides(logs, USUAL)
-    again, taken_out = with_even_sides(
-        [scaled(log, {"fl": 1.0005, "fr": 0.9997, "rr": 1.0006}) for log in logs], USUAL
-    )
-    for one, other in zip(even, again, strict=True):
+    uneven = [scaled(log, {"fl": 1.0005, "fr": 0.9997, "rr": 1.0006}) for log in logs]
+    again, taken_out = with_even_sides(uneven, USUAL)
+    for first, second in zip(even, again, strict=True):
         for axle, mean in (("f", np.sqrt(1.0005 * 0.9997)), ("r", np.sqrt(1.0006))):
-            for side in "lr":
-                name = f"omega_{axle}{side}"
-                assert other[name] == pytest.approx(mean * one[name], rel=1e-9)
+            for name in (f"omega_{axle}l", f"omega_{axle}r"):
+                assert second[name] == pytest.approx(mean * first[name], rel=1e-9)
     other_way = [scaled(log, {"fl": 0.9997, "fr": 1.0005}) for log in logs]
     # what the sensors themselves differ by is in both, with another sign
     both = 0.5 * (taken_out + with_even_sides(other_way, USUAL)[1])
@@ -147,6 +144,6 @@ def test_more_than_tyres_make_is_left_in():
 @pytest.mark.slow
 def test_a_wheel_whose_brake_drags_is_no_new_tyre():
     few = ("coast", "ramp", "step_high", "hot_stop")
-    found = diagnosed(draw("outside", 3, names=("seized_wheel",), only=few))
-    assert found.verdict == "unknown"
-    assert found.unexplained.wheel.startswith("rear_")
+    diagnosis = diagnosed(draw("outside", 3, names=("seized_wheel",), only=few))
+    assert diagnosis.verdict == "unknown"
+    assert diagnosis.unexplained.wheel.startswith("rear_")

@@ -36,7 +36,7 @@ def best_with(term: EmpiricalTerm) -> Fit:
         logs.append(add_noise(calib.simulate(model, TIME, p, speed, name=name), len(logs)))
     base = fitted(asked(SEDAN, logs))
     best, *others = with_terms(base, ranked_terms(base))
-    assert all(one.log_evidence <= best.log_evidence for one in others)
+    assert all(other.log_evidence <= best.log_evidence for other in others)
     assert best.log_evidence > base.log_evidence
     assert best.mean_square < base.mean_square
     return best

@@ -139,10 +139,9 @@ def test_a_torque_that_is_held_from_a_pressure_on_is_told(limit, expected):
     p = np.array([0.0, 1.5e5, 8e5, 15e5, 22e5, 29e5])
     factor = np.minimum(p, limit) / np.maximum(p, 1.0)
     values = tuple(np.where(p > 0.0, factor - 1.0, 0.0).tolist())
-    assert (
-        held_from(EmpiricalTerm("front_brakes", "pressure", tuple(p.tolist()), values)) == expected
-    )
-    assert held_from(EmpiricalTerm("body", "pressure", tuple(p.tolist()), values)) is None
+    term = EmpiricalTerm("front_brakes", "pressure", tuple(p.tolist()), values)
+    assert held_from(term) == expected
+    assert held_from(replace(term, place="body")) is None
 
 
 TIME = np.arange(0.0, 120.0, STEP)
@@ -172,7 +171,6 @@ def test_an_error_that_every_application_leaves_is_no_swing(time_constant, apart
     """The answer to a lag: a step at the bite that dies away, and its opposite at the release."""
     since = TIME % apart
     half = 0.5 * apart
-    error = np.exp(-since / time_constant) - np.where(
-        since > half, np.exp(-(since - half) / time_constant), 0.0
-    )
+    released = np.where(since > half, np.exp(-(since - half) / time_constant), 0.0)
+    error = np.exp(-since / time_constant) - released
     assert swing_of(10.0 * error, 2).share == 0.0

@@ -1,13 +1,13 @@
 """Unknowns of every diagnosis: base parameters that all logs share, and random effects of a log.
 
-Base parameters are pads, tyres, radius and clock of the car, rows of `base.csv`. Each is a number
-x, normal about zero; its value is middle exp(x), or middle + scale x. Bounds and standard deviation
-of a row are those of x.
+Base parameters are pads, tyres, radius and clock of the car, rows of `base.csv`. Each has the value
+middle exp(x) or middle + scale x; x is normal about zero, and has the bounds and the standard
+deviation of the row.
 
 Random effects are states in which the logs of a car differ: pads, tyres on the road of the log, a
-slope, a zero of a_x, heat of the discs. Each is normal about zero by a row of `random_effects.csv`
-and belongs to a group. Its standard deviation is the `usual` one; the `other` one if a hypothesis
-says that logs differ in that group; or the one of logs that are `alike` in that group.
+slope, a zero of a_x, heat of the discs. Each is normal about zero and belongs to a group. Its
+standard deviations are columns of `random_effects.csv`: `other` if a hypothesis says that logs
+differ in that group, `alike` if it says that they do not, else `usual`.
 
 The shape discrepancy of a tyre (after Kennedy and O'Hagan) is the share by which its slip departs
 from that of its formula, a function of the normalised force.
@@ -51,9 +51,9 @@ _ALIKE = 0.7  # correlation of front and rear tyres [1]
 def _discrepancy_precision() -> Array:
     """Precision (2 k, 2 k) of the discrepancies of both axles: a Gaussian process of the force."""
     distances = DISCREPANCY_FORCES[:, None] - DISCREPANCY_FORCES
-    near = np.exp(-0.5 * (distances / _REACH) ** 2) + 0.01 * np.eye(DISCREPANCY_FORCES.size)
+    forces = np.exp(-0.5 * (distances / _REACH) ** 2) + 0.01 * np.eye(DISCREPANCY_FORCES.size)
     axles = [[1.0, _ALIKE], [_ALIKE, 1.0]]
-    return np.asarray(np.linalg.inv(np.kron(axles, _DISCREPANCY**2 * near)))
+    return np.asarray(np.linalg.inv(np.kron(axles, _DISCREPANCY**2 * forces)))
 
 
 DISCREPANCY_PRECISION = _discrepancy_precision()
@@ -117,11 +117,8 @@ def base_of(vehicle: Vehicle, x: Array) -> Base:
 
 
 def base_sigma(sample_time: float) -> Array:
-    """Standard deviations (11,) of the priors on x, for logs of that ``sample_time`` [s].
-
-    That of the clock is given in samples.
-    """
-    is_clock = np.array(BASE_NAMES) == "clock"
+    """Standard deviations (11,) of the priors on x, for logs of this ``sample_time`` [s]."""
+    is_clock = np.array(BASE_NAMES) == "clock"  # its standard deviation is given in samples
     return np.where(is_clock, _SIGMA * sample_time / _SCALE, _SIGMA)
 
 

@@ -8,9 +8,9 @@
     rear_sides   left less right, rear               [rad/s]
 
 The channels have a clock of 20 ms. The noise of each channel is an AR process fitted to the
-unbraked parts. It whitens the residuals: the innovations are white with variance 1 if the model is
-right. The drift of v is a random walk under white noise; its whitening filter, with the shift B by
-a sample, is (1 - B)/(1 - 0.9 B).
+unbraked parts. With it the residuals are whitened: the innovations are white with variance 1 if the
+model is right. The drift of v is a random walk under white noise; the filter that whitens it, with
+the shift B by a sample, is (1 - B)/(1 - 0.9 B).
 """
 
 from dataclasses import dataclass, replace
@@ -42,7 +42,6 @@ _OF_WHEELS = np.array(
 
 _FLOOR = (0.005, 0.003, 0.005, 0.003, 0.003, 0.003)
 """Lower limits of the innovations' sd (6,), in the channels' units: a simulation has no noise."""
-
 STEP = 0.02  # clock of the channels [s]
 ORDER = 3  # order of the AR noise: noise of a road, with 0.1 s, needs two to three at 50 Hz
 WALK = 0.9  # pole of the whitening filter of v: a drift of a tenth of the noise per step
@@ -82,35 +81,35 @@ def thinned(run: ObservedRun, x: Array) -> Array:
     return block_mean(x[..., :length], n)
 
 
-def noise_of(parts: list[Array], wholes: list[Array]) -> ChannelNoise:
-    """Estimate the noise from unbraked residuals ``parts``, (6, m) each, less a parabola.
+def noise_of(unbraked: list[Array], of_runs: list[Array]) -> ChannelNoise:
+    """Estimate the noise, not below `_FLOOR`, from ``unbraked`` residuals, (6, m) of each run.
 
-    If no part is long enough, it comes from the third differences of the ``wholes``, (6, n) each:
-    these contain almost no motion, and the noise then counts as white. Never below `_FLOOR`.
+    A parabola is taken out of them. If all are too short, white noise is estimated from all
+    residuals ``of_runs``, (6, n) each.
     """
-    long = [part for part in parts if part.shape[1] >= LONG]
+    long = [r for r in unbraked if r.shape[1] >= LONG]
     if not long:
-        return _white_noise_of(wholes)
-    curves = [_parabola(part.shape[1]) for part in long]
-    straight = [part - part @ curve @ curve.T for part, curve in zip(long, curves, strict=True)]
-    windows = [sliding_window_view(part, ORDER + 1, axis=1) for part in straight]
+        return _white_noise_of(of_runs)
+    curves = [_parabola(r.shape[1]) for r in long]
+    straight = [r - r @ curve @ curve.T for r, curve in zip(long, curves, strict=True)]
+    windows = [sliding_window_view(r, ORDER + 1, axis=1) for r in straight]
     coefficients = np.array(
         [lstsq(x[:, :-1], x[:, -1], rcond=None)[0] for x in np.concatenate(windows, axis=1)]
     )
-    freedom = sum(part.shape[1] - ORDER - _PARABOLA for part in straight) - ORDER
+    freedom = sum(r.shape[1] - ORDER - _PARABOLA for r in straight) - ORDER
     unit = ChannelNoise(coefficients, np.ones(len(CHANNELS)), freedom)
-    squares = sum(np.sum(by_channel(whiten(part, unit)) ** 2, axis=1) for part in straight)
+    squares = sum(np.sum(by_channel(whiten(r, unit)) ** 2, axis=1) for r in straight)
     freedoms = np.full(len(CHANNELS), float(freedom))
-    freedoms[DRIFT] = sum(_freedom_of_drift(part.shape[1]) for part in straight)
+    freedoms[DRIFT] = sum(_freedom_of_drift(r.shape[1]) for r in straight)
     return replace(unit, sigma=np.maximum(np.sqrt(squares / freedoms), _FLOOR))
 
 
-def _white_noise_of(wholes: list[Array]) -> ChannelNoise:
-    """White noise, by the third differences of residuals (6, n)."""
-    scatter = [np.median(np.abs(np.diff(x, 3, axis=1)), axis=1) for x in wholes]
+def _white_noise_of(of_runs: list[Array]) -> ChannelNoise:
+    """White noise by third differences of residuals (6, n), which contain almost no motion."""
+    scatter = [np.median(np.abs(np.diff(x, 3, axis=1)), axis=1) for x in of_runs]
     # the median over the runs: a bite or a release does not move it
     sigma = np.maximum(np.median(scatter, axis=0) / QUARTILE / np.sqrt(20.0), _FLOOR)
-    freedom = sum(x.shape[1] for x in wholes) // 4  # a third difference joins four samples
+    freedom = sum(x.shape[1] for x in of_runs) // 4  # a third difference joins four samples
     return ChannelNoise(np.zeros((len(CHANNELS), ORDER)), sigma, freedom)
 
 

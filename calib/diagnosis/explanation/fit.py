@@ -67,7 +67,7 @@ class Fit:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of its effects."""
+        """Names of the effects."""
         return self.hypothesis.names
 
     @property
@@ -100,9 +100,10 @@ class Fit:
     @cached_property
     def squares(self) -> float:
         """Sum of squares of the innovations and of all priors."""
-        shared, rows = self.state.shared, sum(float(r @ r) for r in self.innovations)
+        shared = self.state.shared
+        of_innovations = sum(float(r @ r) for r in self.innovations)
         of_prior = shared @ self.prior.precision @ shared
-        return float(rows + of_prior + np.sum(self.scaled_random_effects**2))
+        return float(of_innovations + of_prior + np.sum(self.scaled_random_effects**2))
 
     @property
     def random_effects_excess(self) -> float:
@@ -112,7 +113,7 @@ class Fit:
 
     @property
     def has_unusual_base(self) -> bool:
-        """Whether pads and tyres are far from usual ones, as if they imitate a missing effect."""
+        """Whether pads and tyres are far from usual ones, as if they stood for a missing effect."""
         is_base = self.prior.effect_names == ""
         base = np.where(is_base, self.state.shared, 0.0)
         return bool(base @ self.prior.precision @ base > _UNUSUAL * np.sum(is_base))
@@ -153,12 +154,9 @@ class Fit:
         return replace(self, state=state, predictions=predictions, innovations=r)
 
     def random_columns(self, i: int) -> Array:
-        """Derivatives (8, n) of the innovations of log ``i`` by its random effects.
-
-        That by a factor is the one by the base parameter which it multiplies.
-        """
+        """Derivatives (8, n) of the innovations of log ``i`` by its random effects."""
         derivatives = dict(zip((*OFFSETS, *HEATS), self.further_columns[i], strict=True))
-        for name, parameter in FACTOR_ON.items():
+        for name, parameter in FACTOR_ON.items():  # a factor acts as the parameter does
             derivatives[name] = self.columns[i][BASE_NAMES.index(parameter)]
         return np.stack([derivatives[name] for name in RANDOM_EFFECTS])
 
@@ -182,10 +180,9 @@ class Fit:
         sigmas: Array | None = None,
         damping: float = 0.0,
     ) -> Marginal:
-        """The linear model of all logs, or of the logs of ``products``, which may be more.
+        """The linear model of all logs, or of those of ``products``, which may be more.
 
-        ``sigmas`` (8,) of the random effects are those of the hypothesis by default; ``damping`` is
-        that of `Products.marginalised`.
+        ``sigmas`` (8,), by default of the hypothesis, and ``damping`` as `Products.marginalised`.
         """
         return Marginal.from_products(
             self.products if products is None else products,
@@ -229,8 +226,7 @@ def predict_all(
 
 def runs_of(problem: Problem, random_effects: Array) -> list[ObservedRun]:
     """Return the runs with these ``random_effects`` (runs, 8)."""
-    pairs = zip(problem.runs, random_effects, strict=True)
-    return [run.with_random_effects(u) for run, u in pairs]
+    return [run.with_random_effects(u) for run, u in zip(problem.runs, random_effects, strict=True)]
 
 
 def linearised(
@@ -244,21 +240,18 @@ def linearised(
 def with_columns(fit: Fit, near: Sequence[Array] = ()) -> Fit:
     """Return the fit with the columns of its state, by differences.
 
-    ``near`` are columns of each log at a state nearby, which may have fewer elements of x. Columns
-    by the elements that both have, and by the discrepancy, are taken from there.
+    ``near`` are columns of each log at a state nearby, which may have fewer elements of x. The
+    columns by these elements and by the discrepancy are then taken from ``near``.
     """
     state, m, k = fit.state, fit.state.x.size, fit.state.discrepancy.size
-    shared = len(near[0]) - k if near else 0
+    count = len(near[0]) - k if near else 0  # of the elements of x that ``near`` has
     steps = np.where(state.x + _STEP < fit.prior.high[:m], _STEP, -_STEP)
-    moved = [replace(state, x=state.x + step) for step in np.diag(steps)[shared:]]
-    by_rest = _differences(fit, moved, steps[shared:])
-    columns_near = near if near else _by_discrepancy(fit)
-    by_shared = [x[:shared] for x in columns_near]
-    by_discrepancy = [x[-k:] for x in columns_near]
-    columns = [  # zero for a discrepancy that the hypothesis lacks
-        np.vstack([first, rest, fit.hypothesis.has_discrepancy * last])
-        for first, rest, last in zip(by_shared, by_rest, by_discrepancy, strict=True)
-    ]
+    moved = [replace(state, x=state.x + step) for step in np.diag(steps)[count:]]
+    by_further = _differences(fit, moved, steps[count:])
+    columns = []
+    for at_near, further in zip(near if near else _by_discrepancy(fit), by_further, strict=True):
+        by_discrepancy = fit.hypothesis.has_discrepancy * at_near[-k:]  # or zero
+        columns.append(np.vstack([at_near[:count], further, by_discrepancy]))
     if FADE in fit.effects:
         heat = random_derivatives(fit, (FRONT_HEAT, REAR_HEAT))
     else:
@@ -268,14 +261,11 @@ def with_columns(fit: Fit, near: Sequence[Array] = ()) -> Fit:
 
 
 def _by_discrepancy(fit: Fit) -> list[Array]:
-    """Derivatives (2 k, n) of the innovations of each log by front and rear discrepancy.
-
-    A discrepancy at force j acts with a hat function of the normalised force (shares (k, 4, n)).
-    """
+    """Derivatives (2 k, n) of the innovations of each log by front and rear discrepancy."""
     derivatives, hats = [], np.eye(DISCREPANCY_FORCES.size)
     for run, prediction in zip(fit.problem.runs, fit.predictions, strict=True):
         forces = prediction.normalised_force
-        shares = np.stack(
+        shares = np.stack(  # (k, 4, n): a value acts with a hat function of the force
             [[np.interp(force, DISCREPANCY_FORCES, hat) for force in forces] for hat in hats]
         )
         omega = np.stack([shares * prediction.slip_speed] * 2)  # front, rear discrepancy

@@ -1,9 +1,9 @@
 """Fit a hypothesis to all logs by a few damped Gauss-Newton steps.
 
+The fall of a step is that of the sum of squares of innovations and priors. Where it is less than
+the linear model predicts, a second-order correction follows the curvature that the step showed.
 Each round computes the derivatives anew: with secant updates the end of a flat valley depends on
-the last digit. Where a step lowers the sum of squares by less than the linear model predicts, a
-second-order correction follows the curvature that the step showed, so that a curved valley takes
-few rounds. The fall of a step is that of the sum of squares of innovations and priors.
+the last digit.
 """
 
 from collections.abc import Sequence
@@ -19,10 +19,9 @@ from calib.diagnosis.explanation.problem import Problem
 _ROUNDS = 20
 _DAMPING, _MOST_DAMPED = 1e-3, 1e4
 ROUGH, FINE = (2.0, 1e-2), (0.1, 1e-4)
-"""Tolerances of fits that are compared, and of those that are answered: a fall of the squares, and
-a share of the squares beyond noise. A fit ends with a smaller fall. An effect that counts takes 20
-and a twentieth of these squares."""
-
+"""Tolerances of fits that are compared, and of those that are answered: a fit ends if a step falls
+by less, as squares, and as a share of the squares beyond noise. An effect that counts takes 20, and
+a twentieth."""
 _CURVED = 0.5  # fall over the predicted one below which a step is corrected [1]
 _RIDGE = 1e-12  # added to a scaled information matrix, far above rounding [1]
 _FAR, _FAR_EFFECT = 0.3, 1.5
@@ -39,21 +38,22 @@ def fit_logs(
 ) -> Fit:
     """Fit a hypothesis from a ``state``; ``near`` are columns nearby, as for `with_columns`.
 
-    The fit ends where a step is predicted to fall by less than the ``tolerance``. It also ends if
-    all steps that are left, each as good as the next one, would leave ln of the evidence below
-    ``least``. The evidence is that of the linear model, with a fall of at most the tolerance.
+    The fit ends if a step is predicted to fall by less than the ``tolerance``, or if all rounds
+    that are left, each as good as the next one, would leave ln of the evidence below ``least``. The
+    evidence is that of the linear model, with a fall of at most the tolerance.
     """
     prior, m = prior_of(problem, hypothesis), state.x.size
     state = replace(state, x=np.clip(state.x, prior.low[:m] + 1e-6, prior.high[:m] - 1e-6))
     fit, damping = linearised(problem, hypothesis, state, near), 0.0
-    price, (fall, share) = hypothesis.price(len(problem.runs)), tolerance
+    price = hypothesis.price(len(problem.runs))
+    squares_to_end, share_to_end = tolerance
     for number in range(_ROUNDS):
         # undamped: a damped step that ends at its bounds may predict no fall, and yet fall
         ahead, predicted = _step(fit, 0.0)
-        worth = max(fall, share * (fit.squares - fit.count))
-        reach = fit.marginal().evidence(0.0) - price + 0.5 * predicted * (_ROUNDS - number)
+        worth = max(squares_to_end, share_to_end * (fit.squares - fit.count))
+        reachable = fit.marginal().evidence(0.0) - price + 0.5 * predicted * (_ROUNDS - number)
         has_own_columns = number > 0 or not near
-        if (predicted < worth and has_own_columns) or reach < least:
+        if (predicted < worth and has_own_columns) or reachable < least:
             break
         if predicted >= worth:
             squares = fit.squares
@@ -61,7 +61,7 @@ def fit_logs(
             if squares - fit.squares < 0.5 * worth:
                 break
         fit = with_columns(fit)
-    return replace(fit, log_evidence=fit.marginal().evidence(fall) - price)
+    return replace(fit, log_evidence=fit.marginal().evidence(squares_to_end) - price)
 
 
 def _downhill(fit: Fit, state: State, predicted: float, damping: float) -> tuple[Fit, float]:
@@ -86,7 +86,7 @@ def _downhill(fit: Fit, state: State, predicted: float, damping: float) -> tuple
 def _corrected_step(fit: Fit, moved: Fit, damping: float) -> State:
     """Return the state after the second-order correction of a step (Nocedal and Wright, ch. 18.3).
 
-    That is the step from the innovations from which the linear model leads to those of ``moved``.
+    The step is computed anew from innovations that the linear model turns into those of ``moved``.
     A random effect, which has no bounds, goes at most twice as far as in ``moved``.
     """
     dx = moved.state.shared - fit.state.shared
@@ -102,10 +102,7 @@ def _corrected_step(fit: Fit, moved: Fit, damping: float) -> State:
 
 
 def _step(fit: Fit, damping: float) -> tuple[State, float]:
-    """The state after a damped step, and the predicted fall.
-
-    An element of x or discrepancy ends at its bounds, and where the linear model no longer holds.
-    """
+    """The state after a damped step within bounds and reach of the model; the predicted fall."""
     prior, shared, m = fit.prior, fit.state.shared, fit.state.x.size
     far = np.where(np.isin(prior.effect_names, fit.names), _FAR_EFFECT, _FAR)
     low, high = np.maximum(prior.low - shared, -far), np.minimum(prior.high - shared, far)
@@ -114,7 +111,7 @@ def _step(fit: Fit, damping: float) -> tuple[State, float]:
     H = H + damping * np.diag(np.diag(H))
     step = _bounded_minimum(H, g, low, high)
     step[m:] *= fit.hypothesis.has_discrepancy
-    random_steps = np.stack([of_log @ np.append(step, 1.0) for of_log in marginal.steps])
+    random_steps = np.stack([by_column @ np.append(step, 1.0) for by_column in marginal.steps])
     x, discrepancy = np.split(np.clip(shared + step, prior.low, prior.high), [m])
     fall = fit.squares - marginal.squares - (2.0 * g @ step + step @ H @ step)
     return State(x, discrepancy, fit.state.random_effects - random_steps), float(fall)

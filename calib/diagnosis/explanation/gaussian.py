@@ -5,9 +5,8 @@
     prior  u_i ~ N(0, S^2)   x ~ N(m, 1/precision)
 
 r_i are the innovations of log i at the present point, dx and du_i steps from that point. A Schur
-complement removes the random effects of each log, so a hypothesis on their standard deviations S
-needs the inner products alone, not the rows. Columns of A without a prior are called further ones;
-they stand behind the others.
+complement removes the random effects of each log, so another S needs the inner products alone, not
+the rows. Columns of A without a prior are called further ones; they stand behind the others.
 """
 
 from dataclasses import dataclass
@@ -21,8 +20,7 @@ from calib.base.arrays import Array
 class Products:
     """Inner products ``gram`` (m + 1 + k, m + 1 + k) of a log, and its random effects (k,).
 
-    The products are of the m shared columns, of r, and of the k columns of the random effects, in
-    this order.
+    The products are those of m shared columns, r, and k columns of random effects, in this order.
     """
 
     gram: Array
@@ -37,19 +35,20 @@ class Products:
         return cls(rows @ rows.T, random_effects)
 
     def marginalised(self, sigmas: Array, damping: float = 0.0) -> tuple[Array, Array, float]:
-        """The products (m + 1, m + 1) without what random effects of ``sigmas`` (k,) explain.
+        """Return the products (m + 1, m + 1) without what random effects of ``sigmas`` explain.
 
         Also return the step (k, m + 1) of the random effects for each column, so that
-        du = -step (dx, 1), and ln of the determinant of their information. ``damping`` adds that
-        share to the diagonal of the information.
+        du = -step (dx, 1), and ln of the determinant of their information, to whose diagonal the
+        share ``damping`` is added.
         """
         (use,) = np.nonzero(sigmas)
         m = len(self.gram) - sigmas.size
         S = sigmas[use]
+        # information, in units of S, and its products with the other columns
         P = np.eye(S.size) + S[:, None] * self.gram[np.ix_(m + use, m + use)] * S
         P[np.diag_indices(S.size)] *= 1.0 + damping
-        t = self.random_effects[use] / S
         b = S[:, None] * self.gram[m + use, :m]
+        t = self.random_effects[use] / S
         b[:, -1] += t
         solved = np.linalg.solve(P, b)
         G = self.gram[:m, :m] - b.T @ solved
@@ -65,8 +64,8 @@ class Marginal:
 
     ``information`` (k, k) is that of these columns, ``cross`` (k, c + 1) their products with the c
     further columns and r, ``further`` (c + 1, c + 1) the products of further columns and r.
-    ``log_determinants`` is the sum over the logs of ln of the determinant of the random effects'
-    information, less that of the prior; ``steps`` are those of each log by `Products.marginalised`.
+    ``log_determinants`` sums ln of the determinants of the random effects' information, less that
+    of the prior; ``steps`` are those of each log by `Products.marginalised`.
     """
 
     information: Array
@@ -93,7 +92,7 @@ class Marginal:
         # products of the prior's residual dx + offset, weighed by its precision
         prior, places = np.column_stack([np.eye(k), offset]), [*range(k), -1]
         G[np.ix_(places, places)] += prior.T @ precision @ prior
-        log_determinants = sum(log for _, _, log in logs)
+        log_determinants = sum(of_log for _, _, of_log in logs)
         log_determinants -= float(np.linalg.slogdet(precision)[1])
         steps = [step for _, step, _ in logs]
         return cls(G[:k, :k], G[:k, k:], G[k:, k:], log_determinants, steps)
@@ -111,7 +110,7 @@ class Marginal:
     def evidence(self, largest_fall: float = np.inf) -> float:
         """ln of the evidence without the further columns, up to a constant of the rows.
 
-        ``largest_fall`` of the sum of squares to the optimum is believed, no more.
+        The sum of squares falls by at most ``largest_fall`` from here to the optimum.
         """
         H, g = self.information, self.gradient
         fall = min(float(g @ np.linalg.solve(H, g)), largest_fall)
@@ -119,9 +118,6 @@ class Marginal:
         return 0.5 * (fall - self.squares - log_determinant - self.log_determinants)
 
     def eliminated(self) -> tuple[Array, Array]:
-        """Normal equations of the further columns, the others eliminated: matrix (c, c), side (c,).
-
-        The side is the product of the columns with -r.
-        """
+        """Normal equations (c, c), (c,) of the further columns, all others eliminated."""
         schur = self.further - self.cross.T @ np.linalg.solve(self.information, self.cross)
         return schur[:-1, :-1], -schur[:-1, -1]

@@ -31,16 +31,15 @@ from calib.diagnosis.explanation.problem import Problem
 
 FADE = "pad_thermal_fade"
 
-_TURNING = ("disc_thickness_variation", "tone_ring_runout")  # with the angle of the wheels
+_RIPPLES = ("disc_thickness_variation", "tone_ring_runout")  # effects that go with the wheel angle
 _IN_EVERY_CAR = frozenset({"aerodynamic_drag", "rolling_resistance", "rolling_radius_mismatch"})
-"""Effects that no car is without: their size alone is in question."""
 
 STRENGTH = 2.0  # standard deviation of the strength of an effect, in spreads of its card
-_FURTHER = 1.0  # the same of its further parameters
+_FURTHER = 1.0  # the same for further parameters
 PRICE = 5.0  # ln of the prior odds against an effect, or a group in which logs differ
-_PHASE = 2.0  # the same, for each run, for the angle of a ripple, which the run itself has given
+_PHASE = 2.0  # price of the angle of a ripple in a run, which was fitted to that run
 _FIRST = 5.0  # standard deviation of the first value of a walk, in increments
-_START_OF_PEAK = 0.25  # x of the tyre's peak from which a fit begins: above the usual one
+_START_OF_PEAK = 0.25  # x of the peak where a fit begins: forces beyond a low one say nothing of it
 
 
 @dataclass(frozen=True)
@@ -78,7 +77,7 @@ class Walk:
 
     @property
     def limit(self) -> float:
-        """Largest value, as a share of a brake torque, or of the weight for a force [1]."""
+        """Largest value [1]: a share of a brake torque, or of the weight for a force."""
         return 0.9 if self.place.endswith("brakes") else 0.1
 
 
@@ -118,21 +117,20 @@ class Hypothesis:
 
     @property
     def price_of_usual(self) -> float:
-        """The part of the price that is of effects in every car."""
+        """The part of the price for effects that are in every car."""
         return PRICE * len(_IN_EVERY_CAR & {*self.names})
 
     def price_of_angles(self, runs: int) -> float:
-        """The part of the price that is of the angles at which ripples begin, one for each run."""
-        return _PHASE * runs * len(set(_TURNING) & set(self.names))
+        """The part of the price for the angles at which ripples begin, one for each run."""
+        return _PHASE * runs * len(set(_RIPPLES) & set(self.names))
 
 
 @dataclass(frozen=True)
 class Element:
-    """The element x of a ``parameter`` of an ``effect``: in units of its spread, from its origin.
+    """The element x of a ``parameter`` of an ``effect``: value = origin + x spread.
 
-    The ``origin`` is the value of the vehicle file, if it has any; else the neutral value for a
-    strength, the typical one for a further parameter. ``sigma`` is the standard deviation of the
-    prior on x.
+    The ``origin`` is the value of the vehicle file if there is one; else the neutral value for a
+    strength, the typical one for a further parameter. ``sigma`` is that of the prior on x.
     """
 
     effect: str
@@ -166,7 +164,6 @@ def elements_of(effects: Effects, name: str) -> list[Element]:
 
 
 def _elements(problem: Problem, names: tuple[str, ...]) -> list[Element]:
-    """The elements of all these effects, which stand behind the base."""
     effects = problem.vehicle.effects
     return [element for name in names for element in elements_of(effects, name)]
 
@@ -226,10 +223,7 @@ def base_and_effects(
 
 
 def start_of(problem: Problem) -> State:
-    """State from which a fit without effects begins.
-
-    Its peak is high: forces beyond the peak of the model would say nothing of the peak.
-    """
+    """State from which a fit without effects begins."""
     return State(
         _START_OF_PEAK * np.eye(BASE_SIZE)[BASE_NAMES.index("peak")],
         np.zeros(len(DISCREPANCY_PRECISION)),

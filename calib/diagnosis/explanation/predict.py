@@ -40,19 +40,18 @@ from calib.run.pedal import as_pressed
 _GRID = 0.01  # clock on which a run is predicted [s]; a disc turns at most 20 times a second
 _PASSES = 3  # times that loads, heat and torques are computed from each other
 _PASSES_OF_TERM = 8
-"""The same if an empirical term depends on the deceleration: each pass leaves up to a quarter of
-the error. The first pass takes the measured deceleration, so with few passes such a term would
-predict a_x from the noise of a_x."""
-
-_EDGE = 0.985  # share of the tyre's peak up to which slip follows from force; it is held from there
+"""Passes if an empirical term depends on the deceleration: each leaves up to a quarter of the
+error. The first pass takes the measured deceleration, so after few passes such a term would predict
+a_x from the noise of a_x."""
+_EDGE = 0.985  # share of the tyre's peak up to which slip follows from force; beyond it is held
 
 
 @dataclass(frozen=True, kw_only=True)
 class ObservedRun(RunHistory):
     """A log on the grid: means over its steps, shapes (n,), SI.
 
-    As a `RunHistory` it has ``v`` without sensor noise, for forces; ``z`` as measured; smoothed
-    temperatures; no energy yet; the name of the log as ``source``. ``step`` is that of the grid,
+    Of a `RunHistory`, ``v`` is smoothed, for forces, ``z`` is measured, temperatures are smoothed,
+    energies are zero, and ``source`` is the name of the log. ``step`` is that of the grid,
     ``v_read`` the speed as measured; ``omega`` (4, n) is in the order of `WHEELS`; ``drive`` (2, n)
     the torque of engine or motor [N m per axle], zero if not logged; ``random_effects`` (8,) are in
     the order of `RANDOM_EFFECTS`.
@@ -83,8 +82,7 @@ class ObservedRun(RunHistory):
 class RunLag:
     """The ``lag`` of the wheels of a run, with the ``tyre`` of its log and a ``car`` of no effects.
 
-    It is kept, since most predictions of a run have the same car and tyre, and the lag takes a
-    third of their time.
+    It is kept for predictions with the same car and tyre: it takes a third of their time.
     """
 
     car: Vehicle
@@ -96,8 +94,8 @@ class RunLag:
 class Prediction:
     """Readings ``a_x`` [m/s^2] and ``omega`` [rad/s], and ``speed_gain`` since the start [m/s].
 
-    Of each wheel (4, n): ``normalised_force`` [1]; ``slip_speed``, the part of omega that the slip
-    of a tyre without discrepancy takes [rad/s]. ``lag`` is that of the wheels.
+    ``normalised_force`` [1] and ``slip_speed`` are those of each wheel, (4, n); the latter is the
+    part of omega that the slip of a tyre without discrepancy takes [rad/s].
     """
 
     a_x: Array
@@ -239,10 +237,7 @@ def _torque(
 def _balance(
     car: Vehicle, effects: Effects, history: ObservedRun, torque: Array, lag: WheelLag
 ) -> tuple[Array, Array, Motion, Array]:
-    """Tyre forces [N] and their rates [N/s] (s, 2, n), motion with the loads, and z [1].
-
-    Loads and the inertia of the wheels are those of the z of the last pass.
-    """
+    """Tyre forces [N] and rates [N/s] (s, 2, n), motion with the loads by the last z, the new z."""
     shift = car.weight * combined.total_load_shift(car, effects, history)
     load_f, load_r = axle_loads(car, history.z)
     motion = Motion(history.v, load_f - shift, load_r + shift, history)
@@ -260,13 +255,11 @@ def _balance(
 def _slip(
     car: Vehicle, tyre: MagicFormula, force: tuple[Array, Array], load: Array, lag: WheelLag
 ) -> Array:
-    """Slip [1] of wheels whose tyres have a ``force`` [N] with its rate [N/s], and a ``load`` [N].
-
-    The slip of a tyre with a relaxation length leads its force.
-    """
+    """Slip [1] of wheels whose tyres have a ``force`` [N] with a rate [N/s], and a ``load`` [N]."""
     normalised = force[0] / load
     slip, slope, past_edge = tyre.slip_at_force(normalised, 4.0 * load / car.weight, _EDGE)
     if tyre.relaxation == 0.0:
         return slip
+    # the slip of a tyre with a relaxation length leads the force
     change = (force[1] - normalised * np.gradient(load, lag.step, axis=-1)) / load
     return slip + np.where(past_edge, 0.0, lag.relaxation_time * change / slope)

@@ -1,8 +1,4 @@
-"""The problem of a diagnosis: all runs of a case, their noise, and the known car.
-
-The noise is that of the unbraked parts of the runs. The wheel angles of each run get an origin by
-the phase of its ripple.
-"""
+"""The problem of a diagnosis: all runs of a case, their noise, and the known car."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -35,7 +31,7 @@ _COASTING = 1e5  # weight of a ripple without torque, as a pressure [Pa]: less t
 _MARGIN = 8  # samples before the brake first bites that do not count as unbraked
 
 Tell = Callable[[str, int, int], None]
-"""Called at each step with the stage in words, the number of its steps done, and of all of them."""
+"""Function called at each step, with the stage in words, the number of steps done, and of all."""
 
 
 def silent(stage: str, step: int, total: int) -> None:
@@ -57,7 +53,7 @@ class Problem:
 
     @property
     def for_worker(self) -> Self:
-        """The problem for a worker process, which reports nothing and has no workers of its own."""
+        """The problem for a worker process, which reports nothing and starts no processes."""
         return replace(self, tell=silent, mapped=map)
 
     @cached_property
@@ -69,7 +65,8 @@ class Problem:
         Dynamics, ch. 1).
         """
         columns = []
-        for time in (thinned(run, run.time) for run in self.runs):
+        for run in self.runs:
+            time = thinned(run, run.time)
             changed = np.zeros((2, len(CHANNELS), time.size))
             changed[0, DRIFT] = G * (time - time[0])
             changed[1, A_X] = -1.0
@@ -80,7 +77,7 @@ class Problem:
 def problem_of(
     vehicle: Vehicle, runs: Sequence[ObservedRun], tell: Tell = silent, mapped: MapFunction = map
 ) -> Problem:
-    """Build a problem; its noise is that of the unbraked parts, where no base parameter acts."""
+    """Build a problem with the noise of the unbraked parts, where no base parameter acts."""
     noise = unbraked_noise(vehicle, base_of(vehicle, np.zeros(BASE_SIZE)), vehicle.effects, runs)
     return Problem(vehicle, with_ripple_phase(vehicle, runs, noise), noise, tell, mapped)
 
@@ -88,12 +85,12 @@ def problem_of(
 def with_ripple_phase(
     vehicle: Vehicle, runs: Sequence[ObservedRun], noise: ChannelNoise
 ) -> tuple[ObservedRun, ...]:
-    """Return the runs with wheel angles that begin at the phase of the ripple of each run.
+    """Return the runs with wheel angles whose zero is given by the phase of the ripple of each run.
 
     Where the front torque is high, the car and its front wheels slow, so a_x and front less rear go
     with -sin(angle). The ripple of a tone ring shows without torque, too, in front less rear alone:
-    `_COASTING` is added there. The waves are whitened as the residuals are, since a filter delays
-    fast turns and slow ones differently.
+    `_COASTING` is added there. The waves are whitened as the residuals are, since the delay of the
+    whitening filter depends on the frequency.
     """
     base, shifted = base_of(vehicle, np.zeros(BASE_SIZE)), []
     for run in runs:
@@ -111,10 +108,10 @@ def with_ripple_phase(
 def unbraked_noise(
     vehicle: Vehicle, base: Base, effects: Effects, runs: Sequence[ObservedRun]
 ) -> ChannelNoise:
-    """Noise of the channels: of the residuals of ``base`` and ``effects`` in the unbraked parts."""
-    wholes = [residuals(run, predict(vehicle, base, effects, run)) for run in runs]
-    parts = []
-    for run, whole in zip(runs, wholes, strict=True):
+    """Noise of the channels, by the residuals of ``base`` and ``effects`` in the unbraked parts."""
+    of_runs = [residuals(run, predict(vehicle, base, effects, run)) for run in runs]
+    unbraked = []
+    for run, r in zip(runs, of_runs, strict=True):
         braked = np.flatnonzero(thinned(run, run.p_mc) > 0.5 * BITE)
-        parts.append(whole[:, : max(braked[0] - _MARGIN, 0)] if braked.size else whole)
-    return noise_of(parts, wholes)
+        unbraked.append(r[:, : max(braked[0] - _MARGIN, 0)] if braked.size else r)
+    return noise_of(unbraked, of_runs)

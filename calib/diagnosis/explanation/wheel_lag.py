@@ -28,9 +28,8 @@ _LEAST = 1e-6  # least time constant [s], and least difference of two roots [1/s
 class WheelLag:
     """The motion of k wheels over each step of a clock, if coefficients hardly change over a step.
 
-    It is exact for an input that is a parabola through a sample, the one before and the one after.
-    A disc turns by up to 1 rad in a step: straight lines between the samples would lose a twentieth
-    of its ripple.
+    The input is a parabola through three samples: a disc turns by up to 1 rad in a step, and
+    straight lines would lose a twentieth of its ripple.
 
     ``relaxation_time`` is sigma/v [s] (n,), ``step`` h [s]. ``band`` (4, 2 k n) is the lower
     triangle of the recursion over F and h F' in turn. ``taps`` (2, 3, k, n - 1) are what each of
@@ -44,11 +43,11 @@ class WheelLag:
 
     @classmethod
     def from_tau(cls, time_constant: Array, relaxation: float, v: Array, step: float) -> Self:
-        """Build it from tau [s] (k, n), relaxation length [m], speed [m/s] (n,) and step [s]."""
+        """Build the lag from tau [s] (k, n), ``relaxation`` length [m], ``v`` (n,) and step [s]."""
         relaxation_time = max(relaxation, _SHORTEST) / np.maximum(v, MOVING)
         tau_steps = np.maximum(time_constant, _LEAST)[:, 1:] / step
         relaxation_steps = relaxation_time[1:] / step
-        free = _free(tau_steps, relaxation_steps)
+        free = _free_motion(tau_steps, relaxation_steps)
         band = np.zeros((*time_constant.shape, 2, 4))
         for j in range(2):  # from F, and from h F'
             band[:, :-1, j, 2 - j : 4 - j] = -np.moveaxis(free[:, j], 0, -1)
@@ -71,11 +70,10 @@ class WheelLag:
         return force.copy(), rate / self.step
 
 
-def _free(tau: Array, relaxation: Array) -> Array:
-    """e^A (2, 2, k, m) of F and F' over a step without an input; times in steps.
+def _free_motion(tau: Array, relaxation: Array) -> Array:
+    """Transition e^A (2, 2, k, m) of F and F' over a step without an input; times in steps.
 
-    A = [[0, 1], [-1/(tau relaxation), -1/relaxation]]; its eigenvalues are mean + root and
-    mean - root.
+    A = [[0, 1], [-1/(tau relaxation), -1/relaxation]] has the eigenvalues mean +- root.
     """
     mean = -0.5 / relaxation
     root = np.sqrt(mean**2 - 1.0 / (tau * relaxation) + 0.0j)  # imaginary where the wheel swings
@@ -89,7 +87,7 @@ def _taps(tau: Array, relaxation: Array, free: Array) -> Array:
     """What an input of 1 before, at the begin and at the end of a step adds to F and F'.
 
     Times are in steps. For the parabola u = level + slope t + bend t^2/2 the motion settles to
-    u - tau u' + tau (tau - relaxation) u''; the way to it is that without an input.
+    u - tau u' + tau (tau - relaxation) u''; until then the free motion is added.
     """
     # level, slope and bend of the parabolas through 1, 0, 0; through 0, 1, 0; through 0, 0, 1
     parabolas = np.array([[0.0, 1.0, 0.0], [-0.5, 0.0, 0.5], [1.0, -2.0, 1.0]])

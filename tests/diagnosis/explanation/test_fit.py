@@ -39,10 +39,10 @@ def fading() -> Fit:
         logs.append(add_noise(log, len(logs)))
     problem, hypothesis = asked(SEDAN, logs), Hypothesis((FADE,))
     start = start_of(problem)
-    random_effects = np.zeros_like(start.random_effects)
-    random_effects[:, -2:] = 150.0, -40.0
+    u = np.zeros_like(start.random_effects)
+    u[:, -2:] = 150.0, -40.0
     x = np.concatenate([start.x + 0.02, [2.0, 0.0]])
-    state = State(x, 0.02 * np.cos(np.arange(start.discrepancy.size)), random_effects)
+    state = State(x, 0.02 * np.cos(np.arange(start.discrepancy.size)), u)
     return linearised(problem, hypothesis, state)
 
 
@@ -58,11 +58,9 @@ def test_columns_of_random_effects_are_differences_of_innovations(fading, name):
     for i, run in enumerate(fading.problem.runs):
         ends = []
         for step in (h, -h):
-            random_effects = fading.state.random_effects[i].copy()
-            random_effects[k] += step
-            ends.append(
-                innovations(fading.problem, base, effects, run.with_random_effects(random_effects))
-            )
+            u = fading.state.random_effects[i].copy()
+            u[k] += step
+            ends.append(innovations(fading.problem, base, effects, run.with_random_effects(u)))
         assert same(fading.random_columns(i)[k], (ends[0] - ends[1]) / (2.0 * h), 0.005)
 
 

@@ -31,9 +31,8 @@ def test_a_plant_with_the_same_physics_is_predicted(run):
     inside = slice(200, -10)
     assert prediction.a_x[inside] == pytest.approx(run.a_x[inside], abs=2e-3)
     # half of what a speed's noise is, after 16 m/s of braking
-    assert prediction.speed_gain[inside] == pytest.approx(
-        (run.v_read - run.v_read[0])[inside], abs=1e-2
-    )
+    gained = run.v_read - run.v_read[0]
+    assert prediction.speed_gain[inside] == pytest.approx(gained[inside], abs=1e-2)
     assert prediction.omega[:, inside] == pytest.approx(run.omega[:, inside], abs=2e-2)
 
 
@@ -41,9 +40,7 @@ def test_wheels_swing_on_their_tyres_when_a_slow_car_releases_its_brakes():
     """0.4 m of relaxation at 5 m/s: the wheels swing for some tenths of a second at 25 Hz."""
 
     def released(t: float) -> float:
-        return 25e5 * float(
-            np.clip((t - 1.0) / 0.3, 0.0, 1.0) - np.clip((t - 4.0) / 0.05, 0.0, 1.0)
-        )
+        return pressure(t) - 25e5 * min(max((t - 4.0) / 0.05, 0.0), 1.0)
 
     plant = Plant(SEDAN, tyre=magic(25.0, 0.95), relaxation=0.4)
     run = run_of(as_log(drive(plant, released, 14.5, duration=5.0)))
