@@ -37,24 +37,18 @@ T = TypeVar("T", float, Array)
 class ForceBalance:
     """Forces of a run [N], shapes (n,); all but the loads are positive when they slow the car.
 
-    Attributes
-    ----------
-    load_f, load_r : axle loads (6), (7), with the known effects on them.
-    drag_f, drag_r : moments on the wheels besides the brakes, over the rolling radius. The inertia
-        of slowing wheels, which drives the car on, makes them smaller.
-    drag_no_inertia_f, drag_no_inertia_r : such moments without the inertia of the wheels, over R.
-    body : sum of the forces that slow the body directly.
-    tyre_sum : sum of all tyre forces (5), (17).
+    The drag of an axle are the moments on its wheels besides the brakes, over the rolling radius.
+    The inertia of slowing wheels, which drives the car on, makes it smaller.
     """
 
-    load_f: Array
+    load_f: Array  # axle loads (6), (7), with the known effects on them
     load_r: Array
     drag_f: Array
     drag_r: Array
-    drag_no_inertia_f: Array
+    drag_no_inertia_f: Array  # drag without the inertia of the wheels
     drag_no_inertia_r: Array
-    body: Array
-    tyre_sum: Array
+    body: Array  # sum of the forces that slow the body directly
+    tyre_sum: Array  # sum of all tyre forces (5), (17)
 
     @property
     def demanded(self) -> Array:

@@ -16,25 +16,21 @@ Row = dict[str, str]
 
 
 class Belief(NamedTuple):
-    """A normal prior in the unit of its row; a fixed number where ``sigma`` is 0.
-
-    ``model`` is the variance among cars of one model over the variance among all cars.
-    ``tyre_file`` is the standard deviation of a value from a tyre file, by default ``sigma``.
-    """
+    """A normal prior in the unit of its row; a fixed number where ``sigma`` is 0."""
 
     mean: float
     sigma: float
-    model: float = 1.0
-    tyre_file: float = 0.0
+    model: float = 1.0  # variance among cars of one model over the variance among all cars
+    tyre_file: float = 0.0  # sigma of a value from a tyre file; ``sigma`` if the row has none
 
 
 class Mixture(NamedTuple):
-    """A mixture of normal priors: ``mean``, ``sigma`` and relative ``share`` (k,) by case."""
+    """A mixture of normal priors."""
 
-    cases: tuple[str, ...]
-    share: Array
-    mean: Array
-    sigma: Array
+    cases: tuple[str, ...]  # names of the k priors
+    share: Array  # of each prior, (k,); the sum need not be 1
+    mean: Array  # (k,)
+    sigma: Array  # (k,)
 
     def case(self, u: Array) -> Index:
         """Draw the index of a case (n,) by uniform random numbers ``u`` (n,)."""

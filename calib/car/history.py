@@ -25,35 +25,21 @@ COLD = (START_TEMP, START_TEMP)  # of the front and the rear discs
 
 @dataclass(frozen=True)
 class RunHistory:
-    """A run over time; arrays (n,).
+    """A run over time; arrays (n,)."""
 
-    Attributes
-    ----------
-    time : [s], increasing.
-    v : speed [m/s].
-    z : deceleration over g [1].
-    p_mc : master-cylinder pressure [Pa].
-    temperature_f, temperature_r : temperature of the discs [degC], None where not known.
-    angle_f, angle_r : angle of the wheels since the first sample [rad].
-    energy_f, energy_r : energy dissipated in one brake of the axle since the first sample [J].
-    source : name of the log or the simulation, for messages.
-    start_heat : temperature [degC] of front and rear discs at the first sample, if not logged.
-    averaged : number m of raw samples whose mean each sample here is.
-    """
-
-    time: Array
-    v: Array
-    z: Array
-    p_mc: Array
-    temperature_f: Array | None
+    time: Array  # [s], increasing
+    v: Array  # speed [m/s]
+    z: Array  # deceleration over g [1]
+    p_mc: Array  # master-cylinder pressure [Pa]
+    temperature_f: Array | None  # of the discs [degC], None where not known
     temperature_r: Array | None
-    angle_f: Array
+    angle_f: Array  # of the wheels since the first sample [rad]
     angle_r: Array
-    energy_f: Array
+    energy_f: Array  # dissipated in one brake of the axle since the first sample [J]
     energy_r: Array
-    source: str = ""
-    start_heat: tuple[float, float] = COLD
-    averaged: int = 1
+    source: str = ""  # name of the log or the simulation, for messages
+    start_heat: tuple[float, float] = COLD  # of the discs at the first sample, if not logged [degC]
+    averaged: int = 1  # number m of raw samples whose mean each sample here is
 
     def ripple(self, phase: float) -> Array:
         """sin(front wheel angle + ``phase``) [1] (n,), averaged as the samples are.

@@ -20,26 +20,20 @@ CHASSIS, FRONT, REAR = "chassis", "front", "rear"
 
 @dataclass(frozen=True)
 class VehicleKey:
-    """A key of a vehicle file.
+    """A key of a vehicle file."""
 
-    ``section`` is "" for a key before the sections. ``unit`` is "" for a text, "1" for a number
-    without unit. ``low`` to ``high`` is the usual range in ``unit``; ``too_low`` and ``too_high``
-    are likely causes of a value outside. ``least`` and ``most`` are the bounds [SI]. ``measure``
-    says how to measure the value.
-    """
-
-    section: str
+    section: str  # "" for a key before the sections
     name: str
-    unit: str
-    low: float
+    unit: str  # "" for a text, "1" for a number without unit
+    low: float  # of the usual range, in ``unit``
     high: float
-    least: float
+    least: float  # bounds [SI]
     most: float
     optional: bool
-    example: str
+    example: str  # the value in the example file
     meaning: str
-    measure: str
-    too_low: tuple[str, ...]
+    measure: str  # how to measure the value
+    too_low: tuple[str, ...]  # likely causes of a value outside the usual range
     too_high: tuple[str, ...]
 
     @property
@@ -70,8 +64,7 @@ def _read(row: dict[str, str]) -> VehicleKey:
     return VehicleKey(**cells)
 
 
-KEYS = tuple(map(_read, rows("keys.csv", "calib.car")))
-"""The keys in the order of the file."""
+KEYS = tuple(map(_read, rows("keys.csv", "calib.car")))  # in the order of the file
 
 _HEAD = """\
 # A vehicle for brake-cal. Values of an axle are for one wheel; quantities have a unit, in quotes.

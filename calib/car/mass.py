@@ -10,22 +10,17 @@ _SHARES = (0.5, 2.0)
 """Range of a stated mass over that of the file [1]: an empty and a laden van. Outside, the number
 is in pounds or of another car, or the load moves the centre of gravity."""
 
-WEIGHED = 0.005
-"""Relative standard deviation of a stated mass [1]: error of a scale for cars, and fuel burnt."""
+WEIGHED = 0.005  # relative sigma of a stated mass [1]: error of a scale for cars, and fuel burnt
 
 
 @dataclass(frozen=True)
 class MassUsed:
-    """The mass that a result used: ``value`` [kg] with the relative standard ``tolerance`` [1].
+    """The mass that a result used."""
 
-    ``stated`` says whether the mass was given for these logs; ``share`` is the mass over that of
-    the vehicle file [1].
-    """
-
-    value: float
-    tolerance: float
-    stated: bool
-    share: float = 1.0
+    value: float  # [kg]
+    tolerance: float  # relative standard deviation [1]
+    stated: bool  # whether the mass was given for these logs
+    share: float = 1.0  # of the mass of the vehicle file [1]
 
     def __str__(self) -> str:
         mass = f"{self.value:.6g} kg ±{100.0 * Z95 * self.tolerance:.2g} % (95 %)"

@@ -18,16 +18,12 @@ WET_ASPHALT = MagicFormula(stiffness=25.0, peak=0.9)
 
 @dataclass(frozen=True)
 class Model:
-    """A car that can be simulated; the ``tyre`` is common to both axles.
+    """A car that can be simulated."""
 
-    ``vehicle`` gives masses, lengths and brakes. Its pad friction and its effects are replaced by
-    ``pad_friction_f`` and ``pad_friction_r`` [1] and by ``effects``.
-    """
-
-    vehicle: Vehicle
-    pad_friction_f: float
-    pad_friction_r: float
-    tyre: MagicFormula
+    vehicle: Vehicle  # its pad friction and its effects are replaced by those here
+    pad_friction_f: float  # [1]
+    pad_friction_r: float  # [1]
+    tyre: MagicFormula  # of both axles
     effects: Effects
 
 

@@ -44,16 +44,13 @@ _FIGURE_OF: dict[str, Callable[[Vehicle], float]] = {
 
 
 class _Figure(NamedTuple):
-    """A figure with its usual range, the likely causes of a value outside, and the remedy ``do``.
+    """A figure of a car with its usual range."""
 
-    ``code`` is that of the warning, and its unit is the unit of the range.
-    """
-
-    code: str
+    code: str  # of the warning, whose unit is that of the range
     value_of: Callable[[Vehicle], float]
     low: float
     high: float
-    too_low: tuple[str, ...]
+    too_low: tuple[str, ...]  # likely causes of a value outside the range
     too_high: tuple[str, ...]
     do: str
 

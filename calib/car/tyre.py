@@ -30,25 +30,15 @@ from calib.car.braking import MOVING
 
 @dataclass(frozen=True)
 class MagicFormula:
-    """A tyre.
+    """A tyre."""
 
-    Attributes
-    ----------
-    stiffness : K = dF/dlambda at zero slip and half the weight on the axle [1].
-    peak : mu, the largest normalised force at half the weight on the axle [1].
-    shape : C [1], between 1 (never falls) and 2 (falls to zero).
-    load_exponent, peak_exponent : q, p [1].
-    bend : b [1], not negative.
-    relaxation : sigma [m], not negative.
-    """
-
-    stiffness: float
-    peak: float
-    shape: float = 1.65
-    load_exponent: float = 0.0
-    bend: float = 0.0
-    relaxation: float = 0.0
-    peak_exponent: float = 0.0
+    stiffness: float  # K = dF/dlambda at zero slip and half the weight on the axle [1]
+    peak: float  # mu, the largest normalised force at half the weight on the axle [1]
+    shape: float = 1.65  # C [1], between 1 (never falls) and 2 (falls to zero)
+    load_exponent: float = 0.0  # q [1]
+    bend: float = 0.0  # b [1], not negative
+    relaxation: float = 0.0  # sigma [m], not negative
+    peak_exponent: float = 0.0  # p [1]
 
     def peak_at(self, relative_load: Array | float) -> Array | float:
         """The largest normalised force [1] at an axle load over half the weight [1]."""

@@ -48,15 +48,12 @@ _LINE = re.compile(r"^[ \t]*(\w++)[ \t]*=[ \t]*'?([^\s$!']+)", re.MULTILINE)
 
 @dataclass(frozen=True)
 class TyreFile:
-    """The ``keys`` [SI] of a file that concern braking, and the ``digest`` of its bytes.
+    """The part of a tyre property file that concerns braking."""
 
-    ``name`` is the file's name without folder and ending; ``source`` is its path.
-    """
-
-    name: str
-    source: str
-    digest: str
-    keys: dict[str, float]
+    name: str  # of the file, without folder and ending
+    source: str  # path of the file
+    digest: str  # SHA-256 of its bytes
+    keys: dict[str, float]  # [SI]
 
     def over_nominal(self, load: float) -> float:
         """Wheel ``load`` [N] over the nominal load [1]."""

@@ -21,8 +21,7 @@ from calib.base.arrays import Array
 FORMS = ("brush", "exponential", "dugoff", "magic_sharp", "magic_round")
 """Names of the forms, in the order of `inverse_forms`."""
 
-NEAR_PEAK = 0.97
-"""Share of its peak above which a tyre counts as sliding [1]."""
+NEAR_PEAK = 0.97  # share of its peak above which a tyre counts as sliding [1]
 
 
 def inverse_forms(use: Array) -> Array:

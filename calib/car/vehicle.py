@@ -14,26 +14,15 @@ from calib.car.effects.effects import Effects
 
 @dataclass(frozen=True)
 class Axle:
-    """One axle of Table I; every value is for one wheel.
+    """One axle of Table I; every value is for one wheel."""
 
-    Attributes
-    ----------
-    rolling_radius : R [m], effective, unbraked.
-    wheel_inertia : J_w [kg m^2], about the wheel axis. Not in the paper.
-    piston_area : A [m^2], all pistons that press one pad.
-    effective_radius : r [m], of the disc.
-    friction_faces : pad faces of one brake [1], 2 for a disc brake.
-    pad_friction : mu_p,n [1], nominal.
-    pad_friction_tolerance : standard deviation of its relative error [1], None if not known.
-    """
-
-    rolling_radius: float
-    wheel_inertia: float
-    piston_area: float
-    effective_radius: float
-    friction_faces: int
-    pad_friction: float
-    pad_friction_tolerance: float | None = None
+    rolling_radius: float  # R [m], effective, unbraked
+    wheel_inertia: float  # J_w [kg m^2], about the wheel axis; not in the paper
+    piston_area: float  # A [m^2], all pistons that press one pad
+    effective_radius: float  # r [m], of the disc
+    friction_faces: int  # pad faces of one brake [1], 2 for a disc brake
+    pad_friction: float  # mu_p,n [1], nominal
+    pad_friction_tolerance: float | None = None  # relative standard deviation [1]; None: not known
 
     @property
     def torque_gain(self) -> float:
@@ -63,32 +52,22 @@ UNCERTAINTIES = (
 class Vehicle:
     """Table II of the paper, both axles, and the known effects.
 
-    Attributes
-    ----------
-    name : also the name of the tables fitted for it.
-    mass : M_v [kg], as driven.
-    cg_to_front_axle, cg_to_rear_axle : l_f, l_r [m].
-    cg_height : h [m].
-    track_width : l_w [m].
-    front, rear : the axles.
-    mass_tolerance : standard deviation of the relative error of the mass [1].
-    motor_odds : prior odds that the brake pedal also commands a motor whose torque is not logged
-        [1]. Half of the new cars of 2023 have a motor that brakes (ACEA, registrations in the
-        European Union), and most tests log its torque or switch it off.
-    effects : known effects in addition to the paper's model.
+    ``motor_odds`` are the prior odds that the brake pedal also commands a motor whose torque is not
+    logged. Half of the new cars of 2023 have a motor that brakes (ACEA, registrations in the
+    European Union), and most tests log its torque or switch it off.
     """
 
-    name: str
-    mass: float
-    cg_to_front_axle: float
-    cg_to_rear_axle: float
-    cg_height: float
-    track_width: float
+    name: str  # also the name of the tables fitted for the car
+    mass: float  # M_v [kg], as driven
+    cg_to_front_axle: float  # l_f [m]
+    cg_to_rear_axle: float  # l_r [m]
+    cg_height: float  # h [m]
+    track_width: float  # l_w [m]
     front: Axle
     rear: Axle
-    mass_tolerance: float = 0.03
-    motor_odds: float = 0.1
-    effects: Effects = field(default_factory=Effects)
+    mass_tolerance: float = 0.03  # standard deviation of the relative error of the mass [1]
+    motor_odds: float = 0.1  # [1]
+    effects: Effects = field(default_factory=Effects)  # in addition to the paper's model
 
     @property
     def wheelbase(self) -> float:

@@ -28,18 +28,14 @@ Databases = Named[str, tuple[Path, ...]]
 
 @dataclass(frozen=True)
 class Mapping:
-    """Entry of a channel map: value = sign * (scale * written value + offset), in ``unit``.
+    """Entry of a channel map: value = sign * (scale * written value + offset), in ``unit``."""
 
-    ``source`` is the column. ``unit`` None means the unit in the header of the file. The channel
-    was recorded late by ``delay`` [s].
-    """
-
-    source: str
-    unit: str | None = None
+    source: str  # the column
+    unit: str | None = None  # None is the unit in the header of the file
     sign: int = 1
     scale: float = 1.0
     offset: float = 0.0
-    delay: float = 0.0
+    delay: float = 0.0  # by which the channel was recorded late [s]
 
     def in_unit(self, written: Array) -> Array:
         """Convert values (n,) of the file to the unit of the mapping."""
@@ -48,32 +44,25 @@ class Mapping:
 
 @dataclass(frozen=True)
 class ChannelMap:
-    """The mappings of the file ``where``: ``channels`` by canonical name.
+    """The content of a channel map."""
 
-    ``text`` is the format of text tables, ``ignore`` names columns that are not to be channels, and
-    ``databases`` describe the frames of buses.
-    """
-
-    where: str
-    channels: dict[str, Mapping]
+    where: str  # path of the file
+    channels: dict[str, Mapping]  # by canonical name
     text: TextFormat = DETECTED
-    ignore: tuple[str, ...] = ()
+    ignore: tuple[str, ...] = ()  # columns that are not to be channels
     databases: Databases = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
 class Assigned:
-    """A channel, with ``index`` and name ``source`` of its column in the file.
-
-    ``unit`` is that of the mapped values, ``si`` the SI unit of the channel.
-    """
+    """A channel and its column in the file."""
 
     channel: str
-    index: int
-    unit: str
-    si: str
+    index: int  # of the column
+    unit: str  # of the mapped values
+    si: str  # the SI unit of the channel
     mapping: Mapping
-    source: str = ""
+    source: str = ""  # name of the column
 
     def to_si(self, written: Array) -> Array:
         """Convert values (n,) of the file to SI."""

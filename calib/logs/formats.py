@@ -53,15 +53,14 @@ def refuse_other_kind(head: bytes, ending: str, where: object) -> None:
             do="get the file: git lfs pull",
         )
     text = head.lstrip(b"\xef\xbb\xbf \t\r\n")
-    kinds = (kind for kind in _KINDS if re.match(kind[0], text, re.IGNORECASE))
-    _, name, endings = next(kinds, (b"", "", (ending,)))
-    if ending not in endings:
-        raise LogError(
-            f"{name}, not a {ending} file",
-            where=where,
-            expected=f"a log that is what its ending {ending} says",
-            do=f"rename it to {endings[0]}" if endings else "export or copy the log again",
-        )
+    for pattern, name, endings in _KINDS:
+        if re.match(pattern, text, re.IGNORECASE) and ending not in endings:
+            raise LogError(
+                f"{name}, not a {ending} file",
+                where=where,
+                expected=f"a log that is what its ending {ending} says",
+                do=f"rename it to {endings[0]}" if endings else "export or copy the log again",
+            )
 
 
 TABLES: dict[str, Callable[[bytes, str, TextFormat], ColumnSource]] = {

@@ -33,17 +33,17 @@ ONLY = f"only up to {BRIDGE:g} s, and where the channel is smooth around the gap
 
 @dataclass(frozen=True)
 class ChannelHole:
-    """A gap of ``channel``: time ``start`` [s] of the last sample before it, ``length`` [s]."""
+    """A gap of a channel."""
 
     channel: str
-    start: float
-    length: float
+    start: float  # time of the last sample before the gap [s]
+    length: float  # [s]
 
 
 class Filled(NamedTuple):
-    """``values`` (m,) of a channel at the wanted times, and its gaps of more than `GAP` steps."""
+    """A channel at the wanted times, and its gaps of more than `GAP` steps."""
 
-    values: Array
+    values: Array  # (m,)
     bridged: tuple[ChannelHole, ...] = ()
     left_open: tuple[ChannelHole, ...] = ()
 
@@ -158,8 +158,10 @@ def without_open_ends(channels: dict[str, Array]) -> tuple[dict[str, Array], tup
     A channel that lacks values for more than `ENDS` at an end does not cut: this is a gap.
     """
     time = channels["time"]
+    if not np.isfinite(time).all():
+        return channels, ()
     begin, end, trimmed = 0, time.size, list[str]()
-    for name, values in channels.items() if np.isfinite(time).all() else ():
+    for name, values in channels.items():
         empty = np.isnan(values)
         if name not in CHANNELS or not empty.any() or empty.all():
             continue

@@ -30,18 +30,15 @@ from calib.logs.gaps import BRIDGE, ENDS, ChannelHole, fill_rows
 class _Possible(NamedTuple):
     """Bounds of a channel; values in its SI unit, rates in this unit per second.
 
-    ``rise`` and ``to_zero`` are the rates of the fastest rise and of the fastest change from or to
-    exactly 0, in steps of up to `_QUICK` [s]; in longer steps ``slow_rate`` is added. ``zero_jump``
-    is a change from or to 0 that is always possible. ``largest`` is the largest value. If
-    ``short_only``, only parts are marked that are short enough for a bridge.
+    The rates hold in steps of up to `_QUICK` [s]; in longer steps ``slow_rate`` is added.
     """
 
-    rise: float
-    to_zero: float
-    zero_jump: float
+    rise: float  # fastest rate of a rise
+    to_zero: float  # fastest rate of a change from or to exactly 0
+    zero_jump: float  # a change from or to 0 that is always possible
     slow_rate: float
-    largest: float
-    short_only: bool = False
+    largest: float  # largest value
+    short_only: bool = False  # whether only parts are marked that are short enough for a bridge
 
 
 _POSSIBLE = {
@@ -64,12 +61,12 @@ _FEW = 0.02  # largest share of marked samples [1]; a log with more of them is r
 
 @dataclass(frozen=True)
 class Marked:
-    """The ``count`` of impossible samples of a channel; time [s] and value [SI] of the first."""
+    """The impossible samples of a channel."""
 
     channel: str
     count: int
-    start: float
-    value: float
+    start: float  # time of the first one [s]
+    value: float  # of the first one [SI]
 
     def __str__(self) -> str:
         quantity = CHANNELS[self.channel]

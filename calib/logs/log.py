@@ -32,25 +32,19 @@ class ComputedPressure(NamedTuple):
 
 @dataclass(frozen=True)
 class Log:
-    """One run: canonical ``channels`` [SI] of shape (n,), among them ``time``.
-
-    ``digest`` is the SHA-256 of the file, or of the content of a simulation. ``truth`` [SI] scores
-    the estimates of a simulated run. ``ignored`` columns are no channels, ``notes`` say what the
-    reader changed. ``bridged`` gaps were filled, ``marked`` samples removed. ``interpolated``
-    channels were recorded on another clock than ``time``.
-    """
+    """One run."""
 
     name: str
     source: str
-    digest: str
-    channels: dict[str, Array]
-    truth: dict[str, Array] = field(default_factory=dict)
-    ignored: tuple[str, ...] = ()
-    notes: tuple[str, ...] = ()
+    digest: str  # SHA-256 of the file, or of the content of a simulation
+    channels: dict[str, Array]  # [SI] (n,) by canonical name, among them ``time``
+    truth: dict[str, Array] = field(default_factory=dict)  # of a simulation, to score estimates
+    ignored: tuple[str, ...] = ()  # columns that are no channels
+    notes: tuple[str, ...] = ()  # what the reader changed
     origins: tuple[Origin, ...] = ()
-    bridged: tuple[ChannelHole, ...] = ()
-    marked: tuple[Marked, ...] = ()
-    interpolated: tuple[str, ...] = ()
+    bridged: tuple[ChannelHole, ...] = ()  # gaps that were filled
+    marked: tuple[Marked, ...] = ()  # impossible samples, which were removed
+    interpolated: tuple[str, ...] = ()  # channels recorded on another clock than ``time``
     computed: tuple[ComputedPressure, ...] = ()
 
     def __repr__(self) -> str:

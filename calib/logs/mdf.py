@@ -24,8 +24,7 @@ from calib.logs.channel_map import Databases
 from calib.logs.mdf_check import check_mdf
 from calib.logs.source import CLOCK, ChannelTrace, Column, Recording, damaged
 
-_VALUE_TO_TEXT = {"3": (11, 12), "4": (7, 8)}
-"""Types of conversion from numbers to text, by version of MDF."""
+_VALUE_TO_TEXT = {"3": (11, 12), "4": (7, 8)}  # types of conversion, by version
 _FRAME = "CAN_DataFrame"  # name of the channel for data frames in the ASAM standard
 _TIME_SYNC = 1  # type of a master channel of MDF 4 that holds time, not angle or distance
 _Place = tuple[int, int]  # numbers of the group and of the channel in it
@@ -208,15 +207,12 @@ def _frames(mdf: Any, groups: list[int], database: Dbc, where: str) -> list[Fram
 
 
 class _FrameRecords(NamedTuple):
-    """The frames of a group: ``time`` [s] (n,), ``data`` (n, bytes), ``length`` [bytes] (n,).
+    """The n frames of a group."""
 
-    ``codes`` (n,) hold identifier (bits 0 to 28), whether it is extended (29), and bus (30 on).
-    """
-
-    codes: Any
-    time: Any
-    data: Any
-    length: Any
+    codes: Any  # (n,): identifier in bits 0 to 28, whether it is extended in 29, bus from 30 on
+    time: Any  # [s] (n,)
+    data: Any  # (n, bytes)
+    length: Any  # [bytes] (n,)
 
 
 def _frame_records(mdf: Any, number: int, where: str) -> _FrameRecords | None:

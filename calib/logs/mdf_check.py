@@ -48,16 +48,13 @@ class _Block(NamedTuple):
 
 @dataclass
 class _Group:
-    """A channel group at byte ``place``: the file states ``promised`` records and holds ``count``.
+    """A channel group and its records."""
 
-    A record has ``size`` bytes, unless it is ``variable``.
-    """
-
-    place: int
-    promised: int
-    size: int
+    place: int  # first byte of the group
+    promised: int  # number of records that the file states
+    size: int  # bytes of a record, unless it is variable
     variable: bool
-    count: int = 0
+    count: int = 0  # number of records that the file holds
 
 
 def check_mdf(path: Path) -> tuple[str, dict[int, int]]:

@@ -27,18 +27,14 @@ _ENDS = 0.5  # longest time [s] that an optional channel may cut off at either e
 
 @dataclass(frozen=True)
 class Resampled:
-    """Channels on one clock ``time`` [s] (n,), in the order in which they were given.
+    """Channels on one clock, in the order in which they were given."""
 
-    ``values`` (n,) are NaN where there is none. The channels were recorded at ``rates`` [Hz], by
-    name. ``interpolated`` names those that had another clock.
-    """
-
-    time: Array
-    values: list[Array]
+    time: Array  # [s] (n,)
+    values: list[Array]  # (n,) for each channel, NaN where there is none
     notes: tuple[str, ...]
     bridged: tuple[ChannelHole, ...]
-    rates: dict[str, float] = field(default_factory=dict)
-    interpolated: tuple[str, ...] = ()
+    rates: dict[str, float] = field(default_factory=dict)  # at which they were recorded [Hz]
+    interpolated: tuple[str, ...] = ()  # channels that had another clock
 
 
 def rows_on_one_clock(time: Array, columns: Mapping[str, Array], where: str) -> Resampled:
@@ -140,8 +136,8 @@ def _ordered(trace: ChannelTrace, time: Array) -> ChannelTrace:
         return replace(trace, time=time)
     order = np.argsort(time[valid], kind="stable")
     t, x = time[valid][order], trace.values[valid][order]
-    last = np.append(np.diff(t) > 0, True) if t.size else np.zeros(0, bool)
-    return replace(trace, time=t[last], values=x[last])
+    is_last = np.append(np.diff(t) > 0, True) if t.size else np.zeros(0, bool)
+    return replace(trace, time=t[is_last], values=x[is_last])
 
 
 def _required(channels: list[ChannelTrace]) -> list[ChannelTrace]:

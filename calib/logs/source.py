@@ -16,11 +16,11 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Column:
-    """A column as the file names it; ``full`` is a longer name, as with that of a group, or ""."""
+    """A column as the file names it."""
 
     name: str
     unit: str | None
-    full: str = ""
+    full: str = ""  # a longer name, such as one with the name of the group
 
     @property
     def full_name(self) -> str:
@@ -49,13 +49,13 @@ class ColumnSource:
     """An opened table of n rows.
 
     ``read`` takes indices of columns and returns their values (n,) as written, NaN for an empty
-    cell. ``rates`` [Hz] are given, by index, for columns that were recorded on another clock.
+    cell.
     """
 
     columns: tuple[Column, ...]
     read: Callable[[Sequence[int]], list[Array]]
     notes: tuple[str, ...] = ()
-    rates: Mapping[int, float] = field(default_factory=dict)
+    rates: Mapping[int, float] = field(default_factory=dict)  # [Hz], by column with another clock
 
     def each(self) -> list[Array | LogError]:
         """Read every column; the error takes the place of a column that holds no numbers."""
@@ -82,29 +82,20 @@ CLOCK = Column("time", "s")
 
 @dataclass(frozen=True)
 class ChannelTrace:
-    """One channel as it was recorded.
+    """One channel as it was recorded, in the order of the file."""
 
-    ``time`` [s] and ``values`` have shape (n,) and the order of the file; a value is as written,
-    or NaN if it is invalid. Traces with the same ``clock`` have the same times. A ``state``, such
-    as a gear, keeps its value until the next sample.
-    """
-
-    clock: str
-    time: Array
-    values: Array
-    state: bool = False
+    clock: str  # traces with one clock have the same times
+    time: Array  # [s] (n,)
+    values: Array  # as written (n,), NaN if invalid
+    state: bool = False  # a state, such as a gear, keeps its value until the next sample
     name: str = ""
 
 
 @dataclass(frozen=True)
 class Recording:
-    """An opened log of several clocks.
+    """An opened log of several clocks; ``read`` returns the traces of columns by their indices."""
 
-    ``read`` takes indices of columns and returns a trace for each. The first column is `CLOCK`,
-    the common clock after resampling, which has no trace.
-    """
-
-    columns: tuple[Column, ...]
+    columns: tuple[Column, ...]  # first `CLOCK`, the clock after resampling, without a trace
     read: Callable[[Sequence[int]], list[ChannelTrace]]
     notes: tuple[str, ...] = ()
     close: Callable[[], None] = lambda: None

@@ -26,15 +26,12 @@ TIME = "time"
 
 @dataclass(frozen=True)
 class WholeColumn:
-    """One column: ``values`` (n,) in ``unit``, NaN for no value.
-
-    ``rate`` [Hz] is None unless the column was recorded on another clock than the rows.
-    """
+    """One column of a log."""
 
     name: str
     unit: str | None
-    values: Array
-    rate: float | None = None
+    values: Array  # (n,) in ``unit``, NaN for no value
+    rate: float | None = None  # [Hz], if recorded on another clock than the rows
 
 
 @dataclass(frozen=True)
@@ -141,18 +138,15 @@ def in_si(log: WholeLog) -> WholeLog:
 
 @dataclass(frozen=True)
 class Inventory:
-    """Content of a column: lowest and highest value in ``unit``, number of ``samples``.
-
-    ``rate`` [Hz]; ``gaps`` are pairs of start and length [s].
-    """
+    """The content of a column in figures."""
 
     name: str
     unit: str | None
-    low: float | None
+    low: float | None  # lowest value, in ``unit``
     high: float | None
     samples: int
-    rate: float | None
-    gaps: tuple[tuple[float, float], ...]
+    rate: float | None  # [Hz]
+    gaps: tuple[tuple[float, float], ...]  # start and length of each [s]
 
 
 def inventory(log: WholeLog) -> tuple[Inventory, ...]:

@@ -25,8 +25,7 @@ from calib.car.history import Motion, RunHistory
 from calib.car.lag import second_order
 from calib.car.vehicle import Vehicle
 
-AIR_DENSITY = 1.2
-"""Density of air at 20 degC and 1013 hPa [kg/m^3], rounded."""
+AIR_DENSITY = 1.2  # density of air at 20 degC and 1013 hPa [kg/m^3], rounded
 
 
 def _drag(parameters: Parameters, v: Array) -> Array:

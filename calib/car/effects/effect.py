@@ -22,31 +22,24 @@ from calib.car.beliefs import SENSOR
 from calib.car.history import Motion, RunHistory
 from calib.car.vehicle import Vehicle
 
-Parameters = Mapping[str, float]
-"""Values [SI] of an effect's parameters by name."""
-Pair = tuple[Array, Array]
-"""Values of the front and of the rear axle."""
+Parameters = Mapping[str, float]  # values [SI] of an effect's parameters by name
+Pair = tuple[Array, Array]  # values of the front and of the rear axle
 
 _NAME = re.compile("[a-z][a-z0-9_]*")
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter of an effect: SI unit, plausible range from ``low`` to ``high``, and prior.
-
-    ``typical`` and ``spread`` are the mean and the standard deviation over passenger cars.
-    ``default`` is the value of a file that gives none; with None, each file must give a value.
-    ``share`` says whether the parameter divides something between the axles, from 0 to 1.
-    """
+    """A parameter of an effect: its SI unit, plausible range, and prior."""
 
     name: str
     unit: str
     low: float
     high: float
-    typical: float
-    spread: float
-    default: float | None = None
-    share: bool = False
+    typical: float  # mean over passenger cars
+    spread: float  # standard deviation over passenger cars
+    default: float | None = None  # value if a file gives none; None if each file must give one
+    share: bool = False  # whether the parameter divides something between the axles, from 0 to 1
 
     def __post_init__(self) -> None:
         """Raise ValueError for a name, unit or range with which no fit could search."""
@@ -64,21 +57,16 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Card:
-    """Description of an effect for the user.
-
-    The first of ``parameters`` is the strength: where it is ``neutral``, there is no effect for any
-    value of the other parameters. ``not_sensed`` is the signal that an ECU would need to take the
-    effect out and does not have, or "".
-    """
+    """Description of an effect for the user."""
 
     name: str
     cause: str
     equation: str
     source: str
     looks_like: str
-    parameters: tuple[Parameter, ...]
-    neutral: float = 0.0
-    not_sensed: str = ""
+    parameters: tuple[Parameter, ...]  # first the strength of the effect
+    neutral: float = 0.0  # strength without an effect, for any value of the other parameters
+    not_sensed: str = ""  # the signal that an ECU lacks to take the effect out
 
     def __post_init__(self) -> None:
         """Raise ValueError for an empty text, a name that occurs twice, or a wrong ``neutral``."""
@@ -166,16 +154,13 @@ def effect(name: str, **hooks: Callable[..., Any]) -> Effect:
     return Effect(CARDS[name], **hooks)
 
 
-BRAKES = ("pressure", "friction", "wheels")
-"""Links that change pressures, pads or the torque of single wheels."""
+BRAKES = ("pressure", "friction", "wheels")  # links that change a brake torque
 READINGS = ("accelerometer", "accelerometer_lag", "wheel_speed", "speed_delay", "wheel_speed_delay")
 """Links that change the readings of sensors, but not the motion of the car."""
 AT_WHEELS = (*BRAKES, "axle_moment", "inertia", "radius", "wheel_speed", "wheel_speed_delay")
 """Links that change brakes, wheels or wheel speed sensors."""
-SLOWING = ("axle_moment", "body_force")
-"""Links that slow the wheels or the body in addition to the brakes."""
-BALANCE = (*SLOWING, "load_shift")
-"""Links that `calib.car.balance` takes into account."""
+SLOWING = ("axle_moment", "body_force")  # links that slow the car, as the brakes do
+BALANCE = (*SLOWING, "load_shift")  # links that `calib.car.balance` takes into account
 
 
 def acts_on(effect: Effect, links: tuple[str, ...]) -> bool:

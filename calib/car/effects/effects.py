@@ -35,9 +35,9 @@ class EmpiricalTerm:
 
 @dataclass(frozen=True)
 class DefinedIn:
-    """The Python file of an effect of the user: its name without folder, its SHA-256 or ""."""
+    """The Python file of an effect of the user."""
 
-    file: str
+    file: str  # name without folder
     sha256: str = ""
 
 
@@ -45,14 +45,13 @@ class DefinedIn:
 class Effects:
     """The effects that act in a car in addition to the paper's model.
 
-    ``parameters`` has the parameters [SI] of each named effect, ``sigma`` their standard deviations
-    where these are known. ``user_defined`` has the effects of the user by name, whether they act or
-    not: a `DefinedIn`, or an `OwnEffect` of `calib.car.effects.catalogue` if the file was given.
+    ``user_defined`` has the effects of the user by name, whether they act or not: a `DefinedIn`, or
+    an `OwnEffect` of `calib.car.effects.catalogue` if the file was given.
     """
 
-    parameters: _ByParameter = field(default_factory=dict)
+    parameters: _ByParameter = field(default_factory=dict)  # [SI] by effect
     terms: tuple[EmpiricalTerm, ...] = ()
-    sigma: _ByParameter = field(default_factory=dict)
+    sigma: _ByParameter = field(default_factory=dict)  # standard deviations [SI], where known
     user_defined: Mapping[str, DefinedIn] = field(default_factory=dict)
 
     def __hash__(self) -> int:

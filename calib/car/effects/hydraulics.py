@@ -35,8 +35,7 @@ from calib.car.effects.effect import Pair, Parameters, effect
 from calib.car.history import RunHistory
 from calib.car.lag import low_pass, second_order
 
-_REFERENCE = 20e5
-"""Pressure p_0 of a usual stop [Pa]; the width w is that of the loop at p_0, over p_0."""
+_REFERENCE = 20e5  # p_0 of a usual stop [Pa]; the width w is that of the loop at p_0, over p_0
 
 _MAX_NOISE_BAND = 0.25e5
 """Largest assumed noise of a constant pressure [Pa]: three standard deviations of a noisy sensor

@@ -16,8 +16,7 @@ from calib.base.arrays import Array
 from calib.car.effects.effect import Pair, Parameters, effect
 from calib.car.history import HEAT_CAPACITY, RunHistory, disc_temperature
 
-_REFERENCE_PRESSURE = 20e5
-"""Pressure [Pa] at which the pad friction is that of the model: the middle of usual braking."""
+_REFERENCE_PRESSURE = 20e5  # [Pa] at which the pad friction is that of the model: usual braking
 
 _REFERENCE_SPEED = 20.0
 """Speed [m/s] at which the pad friction is that of the model: the middle of a stop, where slope and

@@ -19,13 +19,11 @@ from calib.car.history import Motion
 from calib.car.lag import first_order
 from calib.car.vehicle import Vehicle
 
-_SPEED = 20.0
-"""Speed [m/s] at which rolling resistance and the torque of an engine are given."""
+_SPEED = 20.0  # [m/s] at which rolling resistance and the torque of an engine are given
 
 _DEFAULT_SPAN = 0.4  # default of ``regen_span`` over ``regen_onset`` [1]
 
-FADE_OUT = 3.0
-"""Speed [m/s] below which the moment of a motor falls to zero, as is usual before a standstill."""
+FADE_OUT = 3.0  # speed [m/s] below which the moment of a motor falls to zero, as is usual
 
 
 def _rolling(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pair:

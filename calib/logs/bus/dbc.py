@@ -160,15 +160,12 @@ def _load(cantools: Any, path: Path) -> "tuple[bytes, list[_Described], list[str
 
 @dataclass
 class _MessageText:
-    """One message of a DBC: its ``text`` is all its statements, ``signals`` maps names to units.
+    """One message of a DBC."""
 
-    ``number`` is the identifier as the DBC writes it, with `_EXTENDED` where it has 29 bits.
-    """
-
-    number: int
+    number: int  # identifier as the DBC writes it, with `_EXTENDED` where it has 29 bits
     name: str
-    text: str
-    signals: dict[str, str] = field(default_factory=dict)
+    text: str  # all statements of the message
+    signals: dict[str, str] = field(default_factory=dict)  # units by name
 
 
 def _by_message(cantools: Any, text: str, where: str) -> "tuple[list[_Described], list[str]]":

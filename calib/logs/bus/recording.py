@@ -44,16 +44,13 @@ _FLOAT_TYPES = {16: ("u2", "f2"), 32: ("u4", "f4"), 64: ("u8", "f8")}
 
 
 class Frames(NamedTuple):
-    """All frames with one identifier on one ``bus``, in the order of the file.
-
-    ``time`` [s] (n,); ``data`` (n, bytes), filled with zeros after the ``length`` [bytes] (n,).
-    """
+    """All n frames with one identifier on one bus, in the order of the file."""
 
     bus: str
     key: Key
-    time: Array
-    data: NDArray[np.uint8]
-    length: NDArray[np.uint16]
+    time: Array  # [s] (n,)
+    data: NDArray[np.uint8]  # (n, bytes), filled with zeros after the length of the frame
+    length: NDArray[np.uint16]  # [bytes] (n,)
 
 
 @dataclass

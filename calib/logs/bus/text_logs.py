@@ -29,15 +29,12 @@ if TYPE_CHECKING:
 
 @dataclass
 class _Text:
-    """What was read of a text log: ``frames`` lines that look like frames, ``last`` line not blank.
-
-    ``block`` is the last mark of a block in an ASC log, "begin" or "end", or "".
-    """
+    """A text log as far as it was read."""
 
     path: Path
-    frames: int = 0
-    last: str = ""
-    block: str = ""
+    frames: int = 0  # number of lines that look like frames
+    last: str = ""  # last line that is not blank
+    block: str = ""  # last mark of a block in an ASC log, "begin" or "end"
 
 
 def _counted(lines: Iterable[str], frame: re.Pattern[str], text: _Text) -> Iterator[str]:

@@ -49,10 +49,12 @@ def open_csv(data: bytes, where: str, text_format: TextFormat = DETECTED) -> Col
     columns = _columns(names, units, remarks, where)
     rows = [row for line in sample_of(data, layout.start) if (row := cells_of(line, separator))]
     decimal = text_format.decimal or decimal_of(rows, separator, where)
-    texts = sorted(set(range(len(columns))) - set(layout.numbers))
-    clocks = [i for i in texts if mostly(is_clock, [row[i] for row in rows if len(row) > i])]
-    for i in clocks:
-        columns[i] = Column(columns[i].name, "s", columns[i].full or names[i])
+    clocks = []
+    for i, column in enumerate(columns):
+        cells = [row[i] for row in rows if len(row) > i]
+        if i not in layout.numbers and mostly(is_clock, cells):
+            clocks.append(i)
+            columns[i] = Column(column.name, "s", column.full or names[i])
     zeros_note = f"{zeros} zero bytes at the end were not read" if zeros else ""
     clock_notes = [f"{columns[i].name}: a clock, counted from its first row" for i in clocks]
     table = TextRows(data, layout.start, tuple(columns), where, separator, decimal, {*clocks})
@@ -74,15 +76,15 @@ def _columns(names: list[str], units: list[str], remarks: list[str], where: str)
 
 @dataclass(frozen=True)
 class TextRows:
-    """The rows of a table: ``data`` from byte ``start`` on; ``clocks`` are the columns of times."""
+    """The rows of a table."""
 
     data: bytes
-    start: int
+    start: int  # byte of ``data`` at which the rows begin
     columns: tuple[Column, ...]
     where: str
     separator: str
     decimal: str = "."
-    clocks: Collection[int] = ()
+    clocks: Collection[int] = ()  # indices of the columns that hold times instead of numbers
 
     def check_end(self) -> str | None:
         r"""Check the last row. Return a note if it has no end of line.

@@ -122,18 +122,14 @@ _FIRST_ROWS = 3  # rows with numbers, one below the other, that begin the sample
 
 @dataclass(frozen=True)
 class Layout:
-    """Places of the parts of a table.
-
-    ``names``, ``units`` and ``remarks`` are lines of the header, empty if there is none. ``start``
-    is the byte of the first sample, ``numbers`` are the indices of the columns of numbers.
-    """
+    """The header of a table, whose lines are empty where there is none, and where samples begin."""
 
     separator: str
     names: bytes
     units: bytes
     remarks: bytes
-    start: int
-    numbers: list[int]
+    start: int  # byte of the first sample
+    numbers: list[int]  # indices of the columns of numbers
 
 
 def layout_of(data: bytes, begin: int, text_format: TextFormat, where: str) -> Layout:
@@ -172,9 +168,9 @@ def layout_of(data: bytes, begin: int, text_format: TextFormat, where: str) -> L
 
 
 def _lines(data: bytes, start: int) -> tuple[list[bytes], list[int]]:
-    """Return the first k lines from byte ``start``, without blank ones at the top, and k + 1 bytes.
+    """Return the first k lines from byte ``start``, without blank ones on top, and k + 1 places.
 
-    These are the first byte of each line and the byte after the last line.
+    The places are the first byte of each line, and the byte after the last line.
     """
     lines, starts = list[bytes](), [start]
     stream = io.BytesIO(data)
@@ -203,7 +199,8 @@ def _layout(
     It fits if the rows of the sample have two columns of numbers, with a header above them.
     """
     rows = [row for line in sample if (row := cells_of(line, separator))]
-    ((width, _),) = Counter(map(len, rows)).most_common(1) or [(0, 0)]
+    count = Counter(map(len, rows))  # rows by number of cells
+    width = max(count, key=lambda cells: count[cells], default=0)
     columns = list(zip(*(row for row in rows if len(row) == width), strict=True))
     numbers = [i for i, column in enumerate(columns) if mostly(_is_number, column)]
     if len(numbers) < 2:
