@@ -39,11 +39,11 @@ def signed_store(tmp_path, seen):
 def copy(signed_store, tmp_path):
     """Make a copy of the store as it is now."""
 
-    def of(name="copy"):
+    def make(name):
         shutil.copytree(signed_store.folder, tmp_path / name)
         return Store(tmp_path / name)
 
-    return of
+    return make
 
 
 @pytest.fixture(scope="session")

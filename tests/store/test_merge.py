@@ -30,14 +30,14 @@ def copies(runs):
 
 
 def test_the_mean_of_two_cars_is_a_closed_form():
-    """No errors of their own: equal weights, S^2 = 2, and Student's t of one degree."""
+    """The cars have no errors of their own: equal weights, S^2 = 2, Student's t of one degree."""
     mean = merge(cars(26.0, 28.0), "golden")
     d = mean.difference
     np.testing.assert_allclose(d.D, 27.0 * (d.eta - 1.0), rtol=1e-12)
     root2 = math.sqrt(2.0)
-    for at, scatter in zip(d.eta - 1.0, mean.spread.D, strict=True):
-        assert scatter.between == pytest.approx(root2 * at, rel=1e-6)
-        assert scatter.of_mean == pytest.approx(1.0 * at, rel=1e-6)
+    for shift, scatter in zip(d.eta - 1.0, mean.spread.D, strict=True):
+        assert scatter.between == pytest.approx(root2 * shift, rel=1e-6)
+        assert scatter.of_mean == pytest.approx(1.0 * shift, rel=1e-6)
     # one more car: (2 + 2/2) (eta - 1)^2; the bands of the cars, 2 (eta - 1), are shared by all
     of_cars = t.ppf(0.975, 1) * math.sqrt(3.0)
     np.testing.assert_allclose(d.upper - d.D, math.hypot(of_cars, 2.0) * (d.eta - 1.0), rtol=1e-6)
@@ -110,7 +110,7 @@ def test_the_record_names_the_parents_and_what_no_mean_shrinks(store):
 
 
 def test_copies_of_one_car_have_next_to_no_spread(copies):
-    """What scatters are the runs: next to nothing is left for the cars."""
+    """Only the runs scatter."""
     mean = merge(copies, "golden")
     spread, top = mean.spread, int(np.argmax(mean.difference.D))
     assert spread.D[top].between < 0.01 * mean.difference.D[top]
@@ -128,11 +128,11 @@ def test_the_draws_and_the_figures_of_the_mean_tell_the_same_car(copies):
     mean = merge(copies, "golden")
     cal, draws = mean.calibration, mean.draws
     stiffness = -0.5 * np.log(draws.compliance_f * draws.compliance_r)
-    for drawn, of in (
+    for drawn, figure in (
         (stiffness, math.log(cal.slip_stiffness.value)),
         (draws.log_pad_ratio, cal.pad_log_ratio.value),
     ):
-        assert abs(np.mean(drawn) - of) < 0.1 * np.std(drawn)
+        assert abs(np.mean(drawn) - figure) < 0.1 * np.std(drawn)
 
 
 def test_what_all_cars_share_does_not_shrink_with_their_number(copies):

@@ -35,17 +35,17 @@ def files(tmp_path, monkeypatch):
 
 
 @pytest.fixture
-def outcome(tmp_path):
-    """The trusted comment of a signature file that holds."""
+def comment_of(tmp_path):
+    """Verify the content of a signature file, and return its trusted comment."""
 
-    def of(content, data=DATA, public=PUBLIC):
+    def verified(content, data=DATA, public=PUBLIC):
         path = tmp_path / "a.minisig"
         path.write_bytes(content)
         signature = read_signature(path)
         verify(public, data, signature, path)
         return signature.trusted_comment
 
-    return of
+    return verified
 
 
 def never():
@@ -56,36 +56,36 @@ def never():
 
 
 @pytest.mark.parametrize("name", ["open", "small"])
-def test_keys_and_signatures_of_minisign(outcome, name):
+def test_keys_and_signatures_of_minisign(comment_of, name):
     public = read_public_key(HERE / f"{name}.pub")
     key = read_secret_key(HERE / f"{name}.key", never if name == "open" else lambda: PASSWORD)
     assert key.public == public == read_public_key(public.text)
     assert public.file == (HERE / f"{name}.pub").read_bytes()
-    assert outcome((HERE / f"{name}.minisig").read_bytes(), public=public) == COMMENT
-    assert outcome(key.sign(DATA, "line 7"), public=public) == "line 7"
+    assert comment_of((HERE / f"{name}.minisig").read_bytes(), public=public) == COMMENT
+    assert comment_of(key.sign(DATA, "line 7"), public=public) == "line 7"
 
 
 # Refused
 
 
-def test_every_changed_byte_of_a_signature_is_refused(outcome):
+def test_every_changed_byte_of_a_signature_is_refused(comment_of):
     for place in sorted({*range(len(CONTENT))} - {*UNTRUSTED}):
         content = bytearray(CONTENT)
         content[place] ^= 1
         try:
             # the last character of base64 has bits that are not used
-            assert outcome(bytes(content)) == COMMENT
+            assert comment_of(bytes(content)) == COMMENT
             assert CONTENT[place + 1 : place + 2] == b"="
         except SignatureRefused:
             continue
 
 
 @pytest.mark.parametrize("name", ["open.minisig", "open.pub", "open.key"])
-def test_a_file_that_is_cut_off_is_refused(outcome, tmp_path, name):
+def test_a_file_that_is_cut_off_is_refused(comment_of, tmp_path, name):
     content = (HERE / name).read_bytes()
     path = tmp_path / name
     read = {
-        ".minisig": lambda: outcome(path.read_bytes()),
+        ".minisig": lambda: comment_of(path.read_bytes()),
         ".pub": lambda: read_public_key(path),
         ".key": lambda: read_secret_key(path, never),
     }[path.suffix]
@@ -133,7 +133,7 @@ def test_no_refusal_shows_the_key_or_the_password(tmp_path):
 
 
 @pytest.mark.parametrize("password", ["", "Brems\u00e9"])
-def test_a_new_pair_signs_and_only_its_owner_reads_the_secret_key(files, outcome, password):
+def test_a_new_pair_signs_and_only_its_owner_reads_the_secret_key(files, comment_of, password):
     old = os.umask(0)
     try:
         made = generate(*files, password)
@@ -142,7 +142,7 @@ def test_a_new_pair_signs_and_only_its_owner_reads_the_secret_key(files, outcome
     assert [stat.S_IMODE(path.stat().st_mode) for path in files] == [0o600, 0o644]
     key = read_secret_key(files[0], (lambda: password) if password else never)
     assert made == key.public == read_public_key(files[1])
-    assert outcome(key.sign(b"data", "comment"), b"data", made) == "comment"
+    assert comment_of(key.sign(b"data", "comment"), b"data", made) == "comment"
 
 
 @pytest.mark.parametrize("existing", [0, 1])

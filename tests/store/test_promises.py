@@ -291,7 +291,7 @@ def test_a_journal_that_is_missing_is_refused(three, gone):
 
 
 def test_a_stopped_writer_leaves_a_whole_version_or_none(store):
-    """Killed before each change of the disk."""
+    """The writer is killed before each change of the disk."""
     reject = replace(REJECT, verdict="failed")
     for step in range(100):
         before = len([*store.entries()]) if store.folder.is_dir() else 0
@@ -342,8 +342,8 @@ for number in numbers:
 
 
 def test_several_writers_wait_for_each_other(store):
-    """Two that begin at once; both bring 30, which is stored once."""
-    brought = [[30, *range(first, first + 4)] for first in (21, 31)]
+    """Two writers begin at once; both store the table 30, which becomes one version."""
+    tables_of_writers = [[30, *range(first, first + 4)] for first in (21, 31)]
     writers = [
         subprocess.Popen(
             [sys.executable, "-c", WRITER, str(store.folder), *map(str, numbers)],
@@ -352,7 +352,7 @@ def test_several_writers_wait_for_each_other(store):
             stdout=subprocess.PIPE,
             text=True,
         )
-        for numbers in brought
+        for numbers in tables_of_writers
     ]
     for process in writers:
         assert process.stdout.readline() == "ready\n"
@@ -363,7 +363,7 @@ def test_several_writers_wait_for_each_other(store):
         process.communicate(timeout=120)
         assert process.returncode == 0
     entries = [*store.entries()]
-    expected = {made_table(float(x)).digest for of in brought for x in of}
+    expected = {made_table(float(x)).digest for numbers in tables_of_writers for x in numbers}
     assert [entry.version for entry in entries] == list(range(1, 10))
     assert {entry.stored.digest for entry in entries} == expected
     assert all(verdict.sound for verdict in store.verify())

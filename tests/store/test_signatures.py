@@ -52,14 +52,6 @@ def minisign(*arguments):
     return subprocess.run(line, capture_output=True, text=True, check=False)
 
 
-def by_hand(store, version, line, key=ADA):
-    """Sign a record with a line that a person wrote."""
-    name, number = version.split("@")
-    home = store.folder / name
-    record = (home / f"v000{number}" / "record.json").read_bytes()
-    (home / f"v000{number}.minisig").write_bytes(key.sign(record, line))
-
-
 # Made and checked by minisign
 
 
@@ -116,7 +108,7 @@ def test_a_signature_of_another_version_is_refused(store, tmp_path):
     refusal(store)
     used(store, "sedan@1")
 
-    sign(store, "wagon@1", ADA)  # a table of another car, renamed, with its signature signature it
+    sign(store, "wagon@1", ADA)  # the table of another car, renamed, with the signature of wagon@1
     forge = Store(tmp_path / "forge")
     renamed = forge.save(made_table(), replace(RELEASE, by="Eve"))
     shutil.copy(store.folder / "wagon" / "v0001.minisig", renamed.path.parent / "v0001.minisig")
@@ -132,13 +124,11 @@ def test_a_signature_of_another_version_is_refused(store, tmp_path):
 def test_a_comment_without_a_head_at_which_it_was_stored_is_refused(store):
     """The key signed the right record, with a comment that a person wrote by hand."""
     first = store.snapshot().journal.entries[0].hash
-    for comment in (
-        f"brake-cal journal={first}",
-        "my best table",
-        "journal=",
-        "brake-cal journal=",
-    ):
-        by_hand(store, "sedan@2", comment)
+    home = store.folder / "sedan"
+    record = (home / "v0002" / "record.json").read_bytes()
+    heads = (f"brake-cal journal={first}", "brake-cal journal=", "journal=")
+    for comment in (*heads, "my best table"):
+        (home / "v0002.minisig").write_bytes(ADA.sign(record, comment))
         refusal(store)
 
 

@@ -127,7 +127,7 @@ def test_what_a_killed_writer_left_is_not_seen_and_cleared_by_the_next(stored, s
     assert [e.id for e in store.entries()] == ["sedan@1", "sedan@2"]
 
 
-# Others of its name, and evidence
+# Evidence
 
 
 HOLD_OUT = {"log": "stop", "role": "hold-out", "verdict": "passed"}

@@ -29,11 +29,11 @@ from calib.line.fleet.workers import Cluster
 from calib.line.fleet.batch import run_batch
 
 job, logs, out, address, victim = pickle.loads(sys.stdin.buffer.read())
-def report(pace):
+def report(run):
     global victim
-    if pace.finished >= 4 and victim:
+    if run.finished >= 4 and victim:
         os.kill(victim, signal.SIGKILL)
-        print("killed after", pace.finished)
+        print("killed after", run.finished)
         victim = None
 cluster = Cluster(address)
 cluster._client.wait_for_workers(2, timeout=30)
@@ -83,8 +83,8 @@ def waited_for(question, patience=30.0):
 def test_a_killed_process_of_this_machine_costs_no_row(fitted, fleet, undisturbed, tmp_path):
     killed = []
 
-    def report(sweep):
-        if sweep.finished >= 4 and not killed:
+    def report(run):
+        if run.finished >= 4 and not killed:
             killed.append(next(iter(pool._pool._processes)))
             os.kill(killed[0], signal.SIGKILL)
 
