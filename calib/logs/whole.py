@@ -13,7 +13,7 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.names import CHANNELS
-from calib.base.units import to_si
+from calib.base.units import is_unit, to_si
 from calib.logs.channel_map import MAP_IT, ChannelMap, assign
 from calib.logs.clock import GAP, check_increasing, step_of
 from calib.logs.formats import as_table, stem_of
@@ -97,11 +97,15 @@ def read_whole(path: Path, channel_map: ChannelMap | None = None) -> WholeLog:
 
 
 def channels_log(log: WholeLog) -> Log:
-    """Return the channels in SI that have a value in every row. Raises LogError without a clock."""
+    """Return the channels with a known unit and a value in every row, in SI.
+
+    Raises LogError without a clock.
+    """
     channels = {}
-    for column in log.columns:
-        if column.name in CHANNELS and column.unit and np.isfinite(column.values).all():
-            channels[column.name] = to_si(column.values, column.unit, CHANNELS[column.name].si)
+    for column in in_si(log).columns:
+        quantity = CHANNELS.get(column.name)
+        if quantity and column.unit == quantity.si and np.isfinite(column.values).all():
+            channels[column.name] = column.values
     return Log(log.name, log.source, log.digest, channels | {TIME: log.time})
 
 
@@ -126,13 +130,14 @@ def cut(log: WholeLog, start: float | None = None, end: float | None = None) -> 
 
 
 def in_si(log: WholeLog) -> WholeLog:
-    """Convert the channels to SI units, as the C code of an ECU takes them."""
+    """Convert the channels with a known unit to SI, as the C code of an ECU takes them."""
     columns = []
-    for c in log.columns:
-        si = CHANNELS[c.name].si if c.name in CHANNELS else ""
-        if si and c.unit:
-            c = replace(c, values=to_si(c.values, c.unit, si), unit=si)
-        columns.append(c)
+    for column in log.columns:
+        quantity = CHANNELS.get(column.name)
+        if quantity and column.unit and is_unit(column.unit, quantity.si):
+            values = to_si(column.values, column.unit, quantity.si)
+            column = replace(column, values=values, unit=quantity.si)
+        columns.append(column)
     return replace(log, columns=tuple(columns))
 
 

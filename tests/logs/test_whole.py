@@ -6,7 +6,7 @@ import pytest
 from calib.base.errors import ChannelMapError, LogError
 from calib.logs.channel_map_file import read_channel_map
 from calib.logs.read import read_log
-from calib.logs.whole import channels_log, cut, inventory, read_whole
+from calib.logs.whole import channels_log, cut, in_si, inventory, read_whole
 from tests.support.recordings import RAMP, ramp, write_bus, write_dbc, write_map, write_mdf
 
 FOREIGN = """Zeit [s];Druck [kPa];Gang;p_mc [bar];Text;Druck [kPa]
@@ -83,6 +83,15 @@ def test_a_cut_keeps_the_rows_between_both_times():
     np.testing.assert_array_equal(channels_log(part)["p_mc"], ramp()["p_mc"][inside])
     with pytest.raises(LogError):
         cut(whole, 50.0, 60.0)
+
+
+def test_an_optional_channel_of_an_unknown_unit_is_a_column_only(tmp_path):
+    path = tmp_path / "run.csv"
+    rows = "".join(f"{0.01 * i:.2f},{i},{i}\n" for i in range(60))
+    path.write_text("time [ms],v [furlong/h],T_disc_f [K]\n" + rows)
+    log = read_whole(path)
+    assert list(channels_log(log).channels) == ["time", "T_disc_f"]
+    assert [c.unit for c in in_si(log).columns] == ["s", "furlong/h", "degC"]
 
 
 def test_the_inventory_tells_range_rate_and_gaps(tmp_path):
