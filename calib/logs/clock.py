@@ -15,7 +15,7 @@ from calib.base.plain import counted
 from calib.base.units import QUANTITIES, to_si
 
 REPEATED = 0.01  # largest share of rows [1] that repeat the time of the row before them
-GAP = 3.5  # a step longer than this many mean steps [1] is a gap; two lost samples make 3
+GAP = 3.5  # a step longer than this many usual steps [1] is a gap; two lost samples make 3
 VALUES = 4
 """Most different steps of an even clock with rounded times: 2, or 4 if a number of 32 bits grows
 past a power of two, where its own resolution doubles."""
@@ -108,7 +108,7 @@ TIME_UNITS = {unit: to_si(1.0, unit, "s") for unit in QUANTITIES["s"][1]}
 _BURST = 0.25  # a step shorter than this share of the mean step [1] lies within a burst
 _BURSTS = 0.1  # largest share of steps within bursts [1]; frames of a bus wait for each other
 _FEWEST_BURSTS = 5  # fewest long steps between bursts; fewer are jumps of the clock
-_JUMPS = 0.3  # least share of a log [1] that such a clock jumps over: see `check_steps`
+_JUMPS = 0.3  # least share of a log [1] in the jumps of a clock whose ms have four digits
 
 
 def check_clock(time: Array, where: str, unit: str = "s") -> None:

@@ -93,7 +93,7 @@ def on_one_clock(traces: Sequence[ChannelTrace], where: str) -> Resampled:
     rates = {trace.name: rate_of[trace.clock, trace.time.size] for trace in full}
     master = _master(channels, rates)
     time = master.time[(master.time >= low) & (master.time <= high)]
-    filled = [_at(time, trace) for trace in traces]
+    filled = [_at_times(time, trace) for trace in traces]
     names = {trace.name for trace in channels}
     gaps = [in_words(x) for trace, x in zip(traces, filled, strict=True) if trace.name in names]
     return Resampled(
@@ -140,7 +140,7 @@ def _ordered(trace: ChannelTrace, time: Array) -> ChannelTrace:
     return replace(trace, time=t[is_last], values=x[is_last])
 
 
-def _required(channels: list[ChannelTrace]) -> list[ChannelTrace]:
+def _required_or_all(channels: list[ChannelTrace]) -> list[ChannelTrace]:
     required = [x for x in channels if x.name in CHANNELS and CHANNELS[x.name].required]
     return required or channels
 
@@ -150,7 +150,7 @@ def _span(channels: list[ChannelTrace], where: str) -> tuple[float, float, list[
 
     Optional channels that are at most `_ENDS` shorter than this span shorten it, too.
     """
-    required = _required(channels)
+    required = _required_or_all(channels)
     low = max(float(x.time[0]) for x in required)
     high = min(float(x.time[-1]) for x in required)
     if high <= low:
@@ -180,7 +180,7 @@ def _is_even(time: Array) -> bool:
 
 def _master(channels: list[ChannelTrace], rates: dict[str, float]) -> ChannelTrace:
     """Return the channel whose times become the clock."""
-    required = _required(channels)
+    required = _required_or_all(channels)
     candidates = [x for x in required if _is_even(x.time)] or required
     all_rates = [rates[x.name] for x in candidates]
     highest = max([rate for rate in all_rates if rate <= _FASTEST] or all_rates)
@@ -194,7 +194,7 @@ def _master(channels: list[ChannelTrace], rates: dict[str, float]) -> ChannelTra
     return max(alike, key=preference)
 
 
-def _at(times: Array, trace: ChannelTrace) -> Filled:
+def _at_times(times: Array, trace: ChannelTrace) -> Filled:
     """Values of a channel at ``times`` [s] (n,): interpolated, or held if it is a state."""
     t, x = trace.time, trace.values
     if t.size < 2:

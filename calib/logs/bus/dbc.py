@@ -82,10 +82,10 @@ class Flawed(NamedTuple):
 
 
 class Dbc(NamedTuple):
-    """Messages by bus and identifier; the bus "" is every bus. ``notes`` name the files."""
+    """The messages of all databases."""
 
-    buses: "dict[str, dict[Key, _Described]]"
-    notes: tuple[str, ...] = ()
+    buses: "dict[str, dict[Key, _Described]]"  # by bus and identifier; the bus "" is every bus
+    notes: tuple[str, ...] = ()  # names and digests of the files, and their flaws
 
     def find(self, bus: str, key: Key) -> "_Described | None":
         """Return the message that describes the frames of an identifier on a bus, or None."""

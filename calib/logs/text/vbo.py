@@ -21,7 +21,7 @@ from calib.base.units import is_unit, spelling
 from calib.logs.source import Column, ColumnSource
 from calib.logs.text.cells import column_from_cell, over_midnight
 from calib.logs.text.csv import TextRows
-from calib.logs.text.dialect import TextFormat
+from calib.logs.text.dialect import DETECTED, TextFormat
 from calib.logs.text.encoding import text_of, to_utf8
 
 _STANDARD = (  # names that have no line in [channel units]
@@ -34,11 +34,11 @@ _STANDARD = (  # names that have no line in [channel units]
 _DATA = re.compile(rb"^\[\s*data\s*\][^\r\n]*\r?$", re.MULTILINE | re.IGNORECASE)
 
 
-def open_vbo(data: bytes, where: str, text_format: TextFormat | None = None) -> ColumnSource:
+def open_vbo(data: bytes, where: str, text_format: TextFormat = DETECTED) -> ColumnSource:
     """Open a VBO file; ``text_format`` may give its encoding. Raises LogError as `open_csv`."""
     if not data or data.isspace():
         raise LogError("the file is empty", where=where, expected="a VBO file")
-    data = to_utf8(data, where, text_format.encoding if text_format else None)
+    data = to_utf8(data, where, text_format.encoding)
     sections, body, text_notes = _sections(data, where)
     columns, unit_notes = _columns(sections, where)
     # leave one blank between two cells, and none at either end of a row
@@ -115,11 +115,8 @@ def _units(lines: list[str], names: Sequence[str]) -> tuple[dict[int, str], list
     the name, or of the last of them. The first choice that contradicts no unit in a name is taken;
     the note names the last choice, or says that none fits.
     """
-    channels = [
-        i
-        for i, name in enumerate(names)
-        if not any(name.lower() == s or name.lower().startswith(f"{s} ") for s in _STANDARD)
-    ]
+    standard = tuple(f"{name} " for name in _STANDARD)  # a unit may follow the blank
+    channels = [i for i, name in enumerate(names) if not f"{name.lower()} ".startswith(standard)]
     without_unit = [i for i in channels if _unit_in_name(names[i]) is None]
     count = len(lines)
     while count and not lines[count - 1]:
