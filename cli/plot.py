@@ -41,8 +41,8 @@ def plot(
     PNG files are written into this folder, named after their content.
 
     Panels for --figure of a table: f1-f2, map, map-band, tyre, posterior, pairs. Those of a stop or
-    a result: axle-torques, pads, normalised-forces, slip; of a stop also map. Those of a log: eta,
-    and its channels: omega, p_mc and so on.
+    a result: axle-torques, pads, normalised-forces, slip; of a stop also map, which a result file
+    does not hold. Those of a log: eta, and its channels: omega, p_mc and so on.
     """
     from calib.show.choose import sheet_facts, sheets
     from calib.show.stop import of_result

@@ -6,40 +6,41 @@ from calib.base.plain import counted
 from calib.plausibility.check import Findings, contents
 from calib.show.facts import Facts, Row
 
-_PURPOSES = {
-    "fit": "fit",
-    "validate": "validate",
-    "coast": "fit as a coast log",
-    "diagnose": "diagnose",
-}
+_WORDS = {"coast": "fit as a coast log"}
+"""Purposes that another text names."""
 
 
 def check_facts(findings: Sequence[Findings]) -> Facts:
-    """Return a line for each log, and a part with what the log holds."""
-    parts = [Facts(title=one.run.log.source, rows=_rows(one)) for one in findings]
-    return Facts(notes=[line(one) for one in findings], parts=parts)
+    """Return a line for each log, a part with what the log holds, and what to do with one log."""
+    warnings = findings[0].warnings if len(findings) == 1 else ()
+    return Facts(
+        notes=[line(one) for one in findings],
+        next=warnings[0].do if warnings else "",
+        parts=[Facts(title=one.run.log.source, rows=_rows(one)) for one in findings],
+    )
 
 
 def line(findings: Findings) -> str:
     """Return the verdict on a log, why it makes no table, and the titles of its warnings."""
-    why, titles = _why(findings), dict.fromkeys(one.title for one in findings.warnings)
+    why, titles = _why(findings), dict.fromkeys(warning.title for warning in findings.warnings)
     parts = [why] if why else []
     if titles:
         parts.append(f"{counted(len(titles), 'warning')}: {', '.join(titles)}")
-    purposes = [_PURPOSES[one.purpose] for one in findings.verdicts if one.usable]
+    usable = [verdict.purpose for verdict in findings.verdicts if verdict.usable]
+    purposes = [_WORDS.get(purpose, purpose) for purpose in usable]
     verdict = f"usable for {', '.join(purposes)}" if purposes else "not usable"
     return "; ".join([f"{verdict}: {findings.run.log.source}", *parts])
 
 
 def _why(findings: Findings) -> str:
     """Return the reason why a braking makes no table, or a log is of no use; "" for none."""
-    fit = next(one for one in findings.verdicts if one.purpose == "fit")
-    if fit.usable or (findings.usable and not findings.run.events):
+    verdicts, brakings = findings.verdicts, findings.run.events
+    fit = next(verdict for verdict in verdicts if verdict.purpose == "fit")
+    if fit.usable or (findings.usable and not brakings):
         return ""
-    fewest = min((one.reasons for one in findings.verdicts), key=len)
-    reasons = fit.reasons if findings.run.events else fewest
+    reasons = fit.reasons if brakings else min((v.reasons for v in verdicts), key=len)
     more = f" (and {len(reasons) - 1} more)" if len(reasons) > 1 else ""
-    if findings.usable:  # what is missing for a table, not what to do about it
+    if findings.usable:  # without what to do about it
         return f"no fit: {reasons[0].partition('; ')[0]}{more}"
     return f"{reasons[0]}{more}"
 

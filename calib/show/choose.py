@@ -1,6 +1,6 @@
 """The sheets that `brake-cal plot` draws for tables and logs.
 
-a table                     the table; with ramps of its fit, also their measured points
+a table                     the table, with the measured points of ramps of its fit
 a table and another log     the log as a stop, judged as `validate` does
 a log                       its channels
 """
@@ -27,7 +27,7 @@ def sheets(
     vehicle: Vehicle | None = None,
     limits: tuple[Limit, ...] = DEFAULTS,
 ) -> Iterator[Sheet]:
-    """Yield the sheets of a table with its logs, or of logs alone.
+    """Yield the sheets of a table and logs, or of logs alone.
 
     ``vehicle`` replaces the nominal pads, ``limits`` judge a stop. Raises LogError and VehicleError
     as `validate_one`.
@@ -53,7 +53,7 @@ def _of_log(run: Log) -> Sheet:
 
 
 def sheet_facts(drawn: Sequence[Sheet], figure: str | None = None) -> Facts:
-    """Return the sheets as facts of a page, with the panel ``figure`` of each, or all panels."""
+    """Return the sheets as facts of a page, with the panel ``figure`` of each or all panels."""
     names = [figure] if figure else []
     parts = [
         Facts(

@@ -15,10 +15,10 @@ from calib.car.effects.empirical import DRIVERS
 from calib.diagnosis.diagnosis import Diagnosis
 from calib.diagnosis.replays import CHANNELS
 from calib.run.filters import samples_in
-from calib.show.numbers import in_shown, spaced, with_unit
+from calib.show.numbers import spaced, to_printed, with_unit
 from calib.show.panel import Line, Panel
 from calib.show.sheet import Sheet
-from calib.show.style import BODY, FRONT, IDENTIFIED, NOMINAL, Stroke, as_text, reach, smooth
+from calib.show.style import BODY, FRONT, IDENTIFIED, NOMINAL, Stroke, as_text, axis_ends, smooth
 
 _NOISE: Stroke = {"color": BODY["color"], "linewidth": 0.6}
 _STEP = 0.02
@@ -72,7 +72,7 @@ def _term(term: EmpiricalTerm) -> Panel:
     unit = DRIVERS[term.driver]
     x = f"{term.driver} [{with_unit('', unit).strip() or '1'}]"
     y = f"change of {'brake torque' if term.on_brakes else 'force over weight'} [%]"
-    knots = [in_shown(knot, unit) for knot in term.knots]
+    knots = [to_printed(knot, unit) for knot in term.knots]
     line = Line(knots, [100.0 * value for value in term.values], {**FRONT, "marker": "."})
     return Panel("term", f"On the {spaced(term.place)}", x, y, [line])
 
@@ -131,7 +131,7 @@ def _errors(
         names.append((as_text(f"{i + 1} {measured.name}"[:letters]), start))
         start = end + _PAUSE
     drawn = [np.asarray(line.y) for line in lines]
-    ends = reach(*drawn, np.array([-half, half]), margin=0.2) or (-half, half)
+    ends = axis_ends(*drawn, np.array([-half, half]), margin=0.2) or (-half, half)
     texts = [(text, x, ends[1]) for text, x in names]
     x = "time, one log after another [s]" if len(logs) > 1 else "time [s]"
     return Panel(name, title, x, f"replay less measured {unit}", lines, texts=texts, ylim=ends)

@@ -3,8 +3,8 @@
     a result --facts_of--> Facts --calib.show.terminal--> lines and grids
                                  --calib.show.html------> one HTML file
 
-A page shows all facts. A terminal prints no pictures, and the parts only with -v; its warnings are
-printed on stderr by the command.
+A page shows all facts. A terminal prints no pictures, and the parts only with -v; the command
+prints the warnings on stderr.
 """
 
 import re
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from calib.show.sheet import Sheet
 
 DIR = "DIR"
-"""Placeholder, in the text of the next step, of the folder that --out names."""
+"""Placeholder of the folder of --out in the text of the next step."""
 Row = tuple[str, str]
 """A name and its text."""
 PASSED, WARNING, FAILED, UNJUDGED = "passed", "warning", "failed", "unjudged"
@@ -41,8 +41,8 @@ class Table:
     heads, rows : heads of the columns, and the cells of each row.
     caption : a sentence above the table.
     verdicts : verdict of each row, "" for none; () if no row has one.
-    links, images : address that the first cell of each row links, and address of the picture in
-        that cell; "" for none, () if no row has one.
+    links, images : addresses of a link and of a picture in the first cell of each row, "" for none;
+        () if no row has one.
     """
 
     heads: Sequence[str]
@@ -54,7 +54,7 @@ class Table:
 
     @cached_property
     def numeric(self) -> tuple[bool, ...]:
-        """Whether each column holds numbers, by the first words of its cells; the first is a name.
+        """Whether each column holds numbers, by the first word of its cells; the first one not.
 
         >>> Table(("log", "valid"), [("stop", "95 %"), ("bend", "-")]).numeric
         (False, True)
@@ -69,10 +69,7 @@ class Table:
 
 @dataclass(frozen=True)
 class Picture:
-    """A picture of a page; ``make`` returns its sheet when the page is written.
-
-    ``names`` are those of the panels that the page shows, () for all.
-    """
+    """A picture of a page: of the sheet that ``make`` returns the panels ``names``, () for all."""
 
     caption: str
     make: "Callable[[], Sheet]"
@@ -121,12 +118,9 @@ class Facts:
     @property
     def filled(self) -> bool:
         """Whether there is anything below the title."""
-        texts = (self.headline, self.numbers, self.rows, self.notes, self.warnings, self.pictures)
-        return (
-            any(texts)
-            or any(table.rows for table in self.tables)
-            or any(part.filled for part in self.parts)
-        )
+        filled = [self.headline, self.numbers, self.rows, self.notes, self.warnings, self.pictures]
+        filled += [table.rows for table in self.tables]
+        return any(filled) or any(part.filled for part in self.parts)
 
 
 _FACTS = {
@@ -144,9 +138,9 @@ _FACTS = {
 
 
 def facts_of(result: object) -> Facts:
-    """Return the facts of a result, by the function of its class, which is imported here.
+    """Return the facts of a result by the function of its class; Facts are returned as they are.
 
-    Facts are returned as they are. Raises KeyError for a class that `_FACTS` does not have.
+    Raises KeyError for a class that `_FACTS` does not have.
     """
     if isinstance(result, Facts):
         return result

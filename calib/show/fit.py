@@ -30,7 +30,7 @@ _CURVES = "The curves of the table with their 95 % bands, and the measured point
 class Fitted:
     """A version of a table, fitted on a car of ``mass`` from ``ramps`` and ``files`` by role.
 
-    ``reached`` compares it with a plan, where there was one.
+    ``reached`` compares the table with a plan; None without one.
     """
 
     stored: Stored
@@ -41,7 +41,7 @@ class Fitted:
 
 
 def fit_facts(fitted: Fitted) -> Facts:
-    """Whether the table may be used, what limits it, what it is made of."""
+    """Return whether the table may be used, what limits it, and what it is made of."""
     stored, table = fitted.stored, fitted.stored.table
     logs = [(log.role, log.name, log.digest) for log in table.provenance.logs]
     count, of_table = len(table.warnings), table_facts(stored)
@@ -72,7 +72,7 @@ def _unseen(fitted: Fitted) -> list[Unseen]:
 
 
 def document(fitted: Fitted) -> dict[str, object]:
-    """The JSON document of a fit."""
+    """Return the JSON document of a fit."""
     stored, table = fitted.stored, fitted.stored.table
     return {
         "table": stored.id,

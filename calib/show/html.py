@@ -1,8 +1,7 @@
 """Facts as one HTML file, which holds its style, pictures and scripts; all texts are escaped.
 
-A page can be read and printed without scripts. One script sorts tables and filters them. A live
-page also holds Bokeh and what `calib.show.interactive` makes of each sheet: these scripts are
-packed, as they would be most of the page, and a browser unpacks them.
+A page can be read and printed without scripts. One script sorts and filters tables. A live page
+also holds Bokeh and what `calib.show.interactive` makes of each sheet, packed for a browser.
 """
 
 import base64
@@ -22,24 +21,20 @@ from calib.base.templates import templates
 from calib.base.warning import PlausibilityWarning
 from calib.show.facts import Facts, Picture, Table
 from calib.show.interactive import script, source
-from calib.show.numbers import whole
+from calib.show.numbers import unbroken
 from calib.show.sheet import Sheet, render
 
 if TYPE_CHECKING:
     from jinja2 import Template
 
-_GENERATOR = "brake-cal"
-"""Generator that every page names, by which `is_page` knows a page."""
-_HEAD = 1000
-"""Number of the first bytes of a page that hold the name of its generator."""
+_GENERATOR, _HEAD = "brake-cal", 1000
+"""Generator that every page names, and the number of its first bytes that hold this name."""
 _LONG = 3
 """Fewest rows of a table that can be sorted."""
 _ROOM = 900_000
 """Letters for the live pictures of a page; Bokeh has 400,000, the still pictures about 200,000."""
-_PANEL = (4.6, 3.1)
-"""Size of a panel of a page [in]: legible on a telephone."""
-_PARTS = 120
-"""Parts of the `envelope` of a line in a panel: each is two pixels wide."""
+_PANEL, _PARTS = (4.6, 3.1), 120
+"""Size of a panel [in], legible on a telephone; parts of the `envelope` of a line, of 2 px each."""
 _UNQUOTED = " =/:;,.()+-*@!?[]{}|~\n<>'"
 """Characters that need no escape in a data URI within double quotes."""
 _UNSEEN = re.compile(
@@ -48,8 +43,8 @@ _UNSEEN = re.compile(
     re.DOTALL,
 )
 """Parts of an SVG that show nothing, and the font of each element, which `_FONT` names once."""
-_EMPTY, _TAG = "<g></g>", re.compile("<[^<>']*>")
-"""A group without content; a tag without an apostrophe, whose quotes become apostrophes."""
+_TAG = re.compile("<[^<>']*>")
+"""A tag without an apostrophe, whose quotes become apostrophes."""
 _STYLE, _FONT = "<style type='text/css'>*{", "font-family: DejaVu Sans, Verdana, sans-serif; "
 """Start of the style of an SVG; font of all texts, and fonts of similar width in its place."""
 _PLACE = re.compile(r"(?<=[\s\"])-?\d+\.\d{3,}(?=[\s\"])(?=[^<>]*>)")
@@ -58,8 +53,7 @@ _STRAIGHT = re.compile(r"M(?: [-\d.]+ [-\d.]+ \nL)+ [-\d.]+ [-\d.]+ \n(?=z?\n?\"
 """A line of straight pieces; a path with gaps has several."""
 _HALF_A_PIXEL = 1.0 / 3.0
 """Distance by which a shortened line may leave the line [pt]: half a pixel of a wide screen."""
-_AGAINST = "What speaks against the result, although it is given."
-"""Caption of the warnings."""
+_WARNINGS = "What speaks against the result, although it is given."
 
 
 @cache
@@ -67,18 +61,18 @@ def _template() -> "Template":
     """Return the template of a page, which keeps numbers and units together."""
     pages = templates("calib.show", markup=True)
     # Markup is a subclass of str, and escaped already
-    pages.finalize = lambda value: whole(value) if type(value) is str else value
+    pages.finalize = lambda value: unbroken(value) if type(value) is str else value
     return pages.get_template("page.html.j2")
 
 
 def page_of(facts: Facts, again: int = 0, live: bool = False) -> str:
     """Return the page of the facts, which fetches nothing; equal facts give equal bytes.
 
-    A page with ``again`` above 0 loads itself again after so many seconds, until a reader stops
+    With ``again`` above 0 the page loads itself again after so many seconds, until a reader stops
     that. Pictures of a ``live`` page can be zoomed; this needs Bokeh.
     """
-    needed = {"reload.js": again > 0, "tables.js": _has_long_table(facts)}
-    acting = "".join(_asset(name) for name, is_needed in needed.items() if is_needed)
+    acting = _asset("reload.js") if again else ""
+    acting += _asset("tables.js") if _has_long_table(facts) else ""
     digest = base64.b64encode(hashlib.sha256(acting.encode()).digest()).decode()
     page = {
         "facts": facts,
@@ -100,28 +94,26 @@ def _has_long_table(facts: Facts) -> bool:
 
 
 def _asset(name: str) -> str:
-    """Return a script from the folder of the templates."""
     return (Path(__file__).parent / "templates" / name).read_text(encoding="utf-8")
 
 
 def _packed(text: str) -> str:
-    """Return a script, packed by zlib, as letters (base64)."""
+    """Return a script, packed by zlib, in base64."""
     return base64.b64encode(zlib.compress(text.encode(), 9)).decode()
 
 
 @cache
 def _drawing() -> str:
-    """Return the packed scripts that draw live pictures: Bokeh and live.js."""
     return _packed(f"{source()}\n{_asset('live.js')}")
 
 
 def is_page(data: bytes) -> bool:
-    """Whether the bytes of a file are those of a page as it is written here."""
+    """Return whether the bytes of a file are those of a page."""
     return f'<meta name="generator" content="{_GENERATOR}">'.encode() in data[:_HEAD]
 
 
 class _Pictures:
-    """The pictures of a page as panels, and the packed ``scripts`` of those that are live.
+    """The pictures of a page, and the packed ``scripts`` of its live pictures.
 
     Of a ``live`` page the first picture is live, and those after it for which there is room.
     """
@@ -130,7 +122,7 @@ class _Pictures:
         self.live, self.scripts = live, list[str]()
 
     def panels(self, picture: Picture) -> list[tuple[str, str]]:
-        """Return each panel as SVG, and the id of the place of its live picture, "" for none."""
+        """Return each panel as SVG, with the id of the place of its live picture, "" for none."""
         sheet = picture.make()
         names = picture.names or sheet.names
         stills = [_panel(sheet, name) for name in names]
@@ -144,15 +136,15 @@ class _Pictures:
 
 
 def _panel(sheet: Sheet, name: str) -> str:
-    """Return a panel as a small SVG in a data URI, since a page has many panels."""
+    """Return a panel as a data URI of an SVG that is made small, as a page has many panels."""
     figure = replace(sheet, title="", result="", note="").figure(name, _PANEL, _PARTS)
     svg = _UNSEEN.sub("", render(figure, ".svg", text=True).decode())
-    # coordinates are rounded to a tenth of a point
+    # round coordinates to a tenth of a point
     short = _PLACE.sub(lambda place: f"{float(place[0]):.1f}", _STRAIGHT.sub(_shortened, svg))
     short = _TAG.sub(lambda tag: tag[0].replace('"', "'"), short)
     short = short.replace(_STYLE, _STYLE + _FONT, 1)
-    while _EMPTY in short:
-        short = short.replace(_EMPTY, "")
+    while "<g></g>" in short:
+        short = short.replace("<g></g>", "")
     return f"data:image/svg+xml,{quote(short.encode(), safe=_UNQUOTED)}"
 
 
@@ -173,11 +165,10 @@ def _shortened(path: re.Match[str]) -> str:
 
 
 def _warned(warnings: Sequence[PlausibilityWarning]) -> Table:
-    """Return a table with a row for each warning: its name, its figures, causes, next step."""
     rows = [
         (f"{w.log}: {w.title}", f"{w.amount}; expected {w.bounds}",
          ", or ".join(w.causes), w.do)
         for w in warnings
     ]  # fmt: skip
     heads = ("warning", "measured", "likely", "what to do")
-    return Table(heads, rows, _AGAINST, ["warning"] * len(rows))
+    return Table(heads, rows, _WARNINGS, ["warning"] * len(rows))

@@ -3,11 +3,11 @@
     Sheet --script--> call of `live` in templates/live.js, which draws the panels
     source            Bokeh's own script, which a page holds once
 
-Panels with the same x axis share its ends, an upright line at the pointer, and two cursors that
-taps set.
+Panels with the same x axis share its ends, its line at the pointer, and two cursors set by taps.
 """
 
 import json
+import math
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -31,7 +31,7 @@ _PIXEL = 4.0 / 3.0
 _MARKERS = {"o": "circle", ".": "dot", "^": "triangle", "D": "diamond"}
 """Names of markers in matplotlib and in Bokeh."""
 _SCROLLS = ":host .bk-events { touch-action: pan-y !important; }"
-"""Style of a panel: a finger that moves on it scrolls the page."""
+"""Style by which a finger that moves on a panel scrolls the page."""
 _LEGEND = {
     "click_policy": "hide", "location": "top_left", "border_line_color": None,
     "background_fill_alpha": 0.0, "label_text_font_size": "11px", "glyph_width": 22,
@@ -39,13 +39,12 @@ _LEGEND = {
 }  # fmt: skip
 _ID = re.compile(r'(?<="id": ")p\d+(?=")|(?<=[{ ]")p\d+(?=": "sheet-)')
 """Number of a model of Bokeh, where it stands in a document or names the place of a panel."""
-_COLOURS = 64
-"""Number of colours of a field."""
+_COLOURS = 64  # of a field
 _TEXT = {"text_font_size": "10px", "x_offset": 5, "y_offset": 5, "text_baseline": "top"}
 
 
 def installed() -> bool:
-    """Whether Bokeh is installed; it comes with the `EXTRA`."""
+    """Return whether Bokeh is installed."""
     return find_spec("bokeh") is not None
 
 
@@ -59,7 +58,7 @@ def source() -> str:
 def script(sheet: Sheet, places: Mapping[str, str]) -> str:
     """Return the script that draws panels, escaped for HTML.
 
-    ``places`` are the ids of the elements of the page that it fills, by the names of the panels.
+    ``places`` are the ids of the elements of the page to fill, by the names of the panels.
     """
     from bokeh.document import Document
 
@@ -81,7 +80,7 @@ class _Drawing:
     Attributes
     ----------
     sources : data that lines with the same x share, by the identity of the x.
-    axes : what panels with the same x axis share, see `_axis`, by its name, ends and words.
+    axes : the items of `_axis`, by name, ends and words of the x axis.
     """
 
     def __init__(self) -> None:
@@ -94,15 +93,15 @@ class _Drawing:
         from bokeh.plotting import figure
 
         (ends, crosshair, *cursors), zoom = self._axis(panel), BoxZoomTool()
-        labels = {x.label for x in panel.lines} | {x.label for x in panel.marks}
+        labels = {*(x.label for x in panel.lines), *(x.label for x in panel.marks)} - {""}
         fig = figure(
-            height=_HEIGHT + _ROW * -(-len(labels - {""}) // panel.columns),
+            height=_HEIGHT + _ROW * math.ceil(len(labels) / panel.columns),
             sizing_mode="stretch_width",
             title=_plain(panel.title),
             x_axis_label=_plain(panel.x),
             y_axis_label=_plain(panel.y),
             x_range=ends,
-            y_range=_ends(panel.height),
+            y_range=_ends(panel.y_ends),
             tools=[zoom, PanTool(), WheelZoomTool(), ResetTool(), crosshair],
             stylesheets=[_SCROLLS],
         )
@@ -147,7 +146,7 @@ class _Drawing:
         return self.axes[key]
 
     def _columns(self, line: Line, values: Sequence[Array]) -> tuple[Any, list[str]]:
-        """Return the data source of a line, and the names of its ``values``, (n,) each, there."""
+        """Return the data source of a line, with ``values``, (n,) each, and their names there."""
         from bokeh.models import ColumnDataSource
 
         points = envelope(line.shown, _PARTS)
@@ -163,7 +162,7 @@ class _Drawing:
     def _line(self, fig: Any, line: Line) -> tuple[Any, list[str]]:
         """Draw a line, its band and the values behind a mean, as one entry of the legend.
 
-        Return the glyph of the line, None without one, and a list of its name and of the names of
+        Return the glyph of the line, None for mere points, and a list of its name and the names of
         its columns: values, lower bounds, upper bounds.
         """
         band = [np.asarray(end, float) for end in line.band or ()]
@@ -182,23 +181,18 @@ class _Drawing:
         if line.look.get("linestyle", "-"):
             glyph = fig.line("x", columns[0], **look, **more)
         if "marker" in line.look:
-            glyph = fig.scatter(
-                "x",
-                columns[0],
-                **look,
-                **more,
-                marker=_MARKERS[line.look["marker"]],
-                size=_PIXEL * line.look.get("ms", 6.0),
-                fill_color=line.look.get("mfc", line.look["color"]),
-            )
+            marker: dict[str, Any] = {"marker": _MARKERS[line.look["marker"]]}
+            marker["size"] = _PIXEL * line.look.get("ms", 6.0)
+            marker["fill_color"] = line.look.get("mfc", line.look["color"])
+            glyph = fig.scatter("x", columns[0], **look, **more, **marker)
         return glyph, [name, *columns]
 
 
 def _hover(panel: Panel, shown: Sequence[tuple[Any, list[str]]]) -> Any:
     """Return the tool that tells values at the pointer; None for a panel without a named line.
 
-    ``shown`` are the glyphs and columns of the lines, see `_Drawing._line`. It tells the lines that
-    have the commonest x; live.js writes the text.
+    ``shown`` are the results of `_Drawing._line`. The tool tells the lines that have the commonest
+    x; live.js writes the text.
     """
     from bokeh.models import HoverTool
 
@@ -214,7 +208,7 @@ def _hover(panel: Panel, shown: Sequence[tuple[Any, list[str]]]) -> Any:
 
 
 def _image(fig: Any, panel: Panel, field: Field) -> None:
-    """Draw a field with its scale, the slices for its slider, and a tool that tells its values."""
+    """Draw a field with its scale, the slices of its slider, and a tool that tells its values."""
     from bokeh.models import ColumnDataSource, HoverTool, LinearColorMapper
     from matplotlib import colormaps
     from matplotlib.colors import to_hex
@@ -238,16 +232,15 @@ def _image(fig: Any, panel: Panel, field: Field) -> None:
 
 
 def _short(values: Array) -> Array:
-    """Return values (n,) rounded to 11 of the 23 bits of a float32: to 1 part in 4,000.
+    """Return values (n,) rounded to 1 part in 4,000, with zeros in their last 12 bits.
 
-    The last digits are noise, and zeros in their place can be packed.
+    These digits are noise, and zeros can be packed.
     """
     bits = values.astype(np.float32).view(np.uint32)
     return ((bits + 0x800) & np.uint32(0xFFFFF000)).view(np.float32)
 
 
 def _mark(fig: Any, mark: Mark) -> None:
-    """Draw a mark behind the bands."""
     more = {"level": "image"}
     if mark.label:
         more["legend_label"] = _plain(mark.label)
@@ -259,7 +252,7 @@ def _mark(fig: Any, mark: Mark) -> None:
 
 
 def _look(stroke: Stroke) -> dict[str, Any]:
-    """Return colour, width and dashes of a line as Bokeh names them."""
+    """Return the look of a line by its names in Bokeh."""
     points = stroke.get("linewidth", LINE_WIDTH)
     look = {"color": stroke["color"], "line_width": _PIXEL * points}
     style = stroke.get("linestyle", "-")
@@ -270,7 +263,7 @@ def _look(stroke: Stroke) -> dict[str, Any]:
 
 
 def _ends(ends: tuple[float, float] | None) -> Any:
-    """Return the range of an axis; with None, that of all that is drawn."""
+    """Return the range of an axis; for None, the range of all that is drawn."""
     from bokeh.models import DataRange1d, Range1d
 
     return DataRange1d() if ends is None else Range1d(*map(float, ends))

@@ -1,4 +1,4 @@
-"""Judged metrics as a table, the worst first, and other texts that several pages share."""
+"""Texts that several pages share: judged metrics as a table, verdicts, torques and pads."""
 
 from collections.abc import Iterable, Mapping, Sequence
 
@@ -12,7 +12,6 @@ from calib.table.budget import Parts, parts_text, ramp_pads
 from calib.table.table import Table as LookUp
 
 _WORST_FIRST = (FAILED, WARNING, PASSED, NOT_KNOWN)
-"""Verdicts on a metric, the worst first."""
 UNKNOWN = "not known"
 _HEADS = ("metric", "value", "limit", "no warning", "verdict", "key")
 
@@ -24,7 +23,8 @@ def judged(caption: str, groups: Sequence[Sequence[Judgement]]) -> tuple[Table, 
     """
     rows, unknown, notes = [], [], list[str]()
     for group in sorted(groups, key=lambda group: _WORST_FIRST.index(_worst(group))):
-        first, metric, verdict = group[0], metric_of(group[0].figure), _worst(group)
+        first, verdict = group[0], _worst(group)
+        metric = metric_of(first.figure)
         if verdict == NOT_KNOWN:
             unknown.append(metric.name)
             continue
@@ -57,7 +57,7 @@ def word(result: Validation) -> str:
 
 
 def verdict_words(role: str, verdict: str, warnings: int) -> str:
-    """Return a verdict with the number of ``warnings``; a log of the fit has no verdict."""
+    """Return a verdict with the number of warnings; a log of the fit has no verdict."""
     if role == CALIBRATION:
         return "no hold-out"
     return f"{verdict}, {counted(warnings, 'warning')}" if warnings else verdict
@@ -74,16 +74,15 @@ def ramp_rows(table: LookUp) -> list[Row]:
 
 
 def budget_rows(budgets: Iterable[Parts]) -> list[Row]:
-    """Return the parts of the uncertainty of the pads of each axle."""
+    """Return what the uncertainty of the pads of each axle is made of."""
     axles = zip(AXLE_NAMES.values(), budgets, strict=False)
     return [(f"{axle} pads", parts_text(parts)) for axle, parts in axles]
 
 
 def pads(figures: Mapping[str, float | None], axle: str, prefix: str = "") -> str:
-    """Return the mean pad friction in a stop with its 95 % interval, or `UNKNOWN`.
+    """Return the mean pad friction of an ``axle``, f or r, with its 95 % interval, or `UNKNOWN`.
 
-    ``axle`` is f or r; ``prefix`` begins the names of the metrics: "ecu_" of the ECU, "" of the
-    best estimate.
+    The ``prefix`` of the metrics is "ecu_" for the ECU, "" for the best estimate.
     """
     mean, width = figures[f"{prefix}pad_friction_{axle}"], figures[f"{prefix}interval_{axle}"]
     if not figures["valid_share"] or mean is None or width is None:
@@ -92,15 +91,15 @@ def pads(figures: Mapping[str, float | None], axle: str, prefix: str = "") -> st
 
 
 def valid(figures: Mapping[str, float | None]) -> str:
-    """Return the share of samples of a stop in which the ECU is valid; 0 if the run is no use."""
+    """Return the share of a stop in which the ECU is valid; 0 if the run does not count."""
     share = figures["ecu_valid_share"] if figures["valid_share"] else 0.0
     return metric_of("valid_share").with_unit(share)
 
 
-def broken(result: Validation) -> list[str]:
+def broken(judgements: Iterable[Judgement]) -> list[str]:
     """Return a text for each metric that breaks its limit: its name, its value and the limit."""
     texts = []
-    for j in result.judgements:
+    for j in judgements:
         if j.verdict == FAILED:
             metric = metric_of(j.figure)
             limit = metric.bounds(j.low, j.high)
@@ -108,6 +107,12 @@ def broken(result: Validation) -> list[str]:
     return texts
 
 
+def warned(titles: Iterable[str]) -> str:
+    """Return a sentence with the titles of warnings, each once; "" without any."""
+    names = ", ".join(dict.fromkeys(titles))
+    return f" Warnings, which brake-cal validate explains: {names}." if names else ""
+
+
 def _worst(group: Sequence[Judgement]) -> str:
-    """Worst verdict; a metric that one stop lacks is judged by the others."""
+    """Return the worst verdict; stops that lack the metric do not count."""
     return min((j.verdict for j in group), key=_WORST_FIRST.index)

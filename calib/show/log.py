@@ -1,7 +1,6 @@
 """A log without table or vehicle: its content as facts, and all its columns as one picture.
 
-A picture has a panel for the columns of one kind and unit. It marks the events that
-`calib.run.events` finds, such as the braking.
+A panel has the columns of one kind and unit, and the events of `calib.run.events` as marks.
 """
 
 from collections.abc import Iterable
@@ -24,8 +23,7 @@ from calib.show.panel import Line, Mark, Panel
 from calib.show.sheet import Sheet, rows_of
 from calib.show.style import Array, Stroke
 
-_RAW = "Every column of the log, with its events. Nothing is filtered, zeroed or corrected."
-"""Caption of the picture."""
+_CAPTION = "Every column of the log, with its events. Nothing is filtered, zeroed or corrected."
 _NO_EVENTS = "No events: they need a_x and the four wheel speeds, with a value in every row."
 _EVENTS: dict[str, Stroke] = {
     LEAD_IN: {"color": "#EBF6F1"},
@@ -36,11 +34,10 @@ _EVENTS: dict[str, Stroke] = {
 """Looks of events; spans are pale, since lines of all colours cross them."""
 _STROKES = {**style.WHEEL_STROKES, "f": style.FRONT, "r": style.REAR}
 _TIME = "time [s]"
-
 _PANEL = 0.72
 """Height of a panel, over that of a usual panel [1]."""
-_COLUMN, MOST = 8, 24
-"""Largest number of panels in one column, and in one picture that can be read."""
+_ONE_COLUMN, MOST = 8, 24
+"""Largest number of panels in a single column, and in a picture."""
 _TITLES = {
     "p_mc": "Pressure of the master cylinder",
     "a_x": "Acceleration",
@@ -71,13 +68,12 @@ def log_facts(log: WholeLog, columns: Iterable[Inventory], events: Iterable[RunE
             Table(heads, [_cells(column) for column in columns], "What is in each column."),
             Table(("event", "from", "for"), rows, "Events in order of time."),
         ],
-        pictures=[Picture(_RAW, lambda: log_sheet(log, events))],
+        pictures=[Picture(_CAPTION, lambda: log_sheet(log, events))],
         notes=[*log.notes, *([] if rows else [_NO_EVENTS])],
     )
 
 
 def _cells(column: Inventory) -> tuple[str, ...]:
-    """Return the row of a column in the table of all columns."""
     start, length = max(column.gaps, key=lambda gap: gap[1], default=(0.0, 0.0))
     gaps = f"{len(column.gaps)}, longest {length:.3f} s at {start:.2f} s" if column.gaps else "none"
     return (
@@ -92,14 +88,11 @@ def _cells(column: Inventory) -> tuple[str, ...]:
 
 
 def log_sheet(log: WholeLog, events: Iterable[RunEvent] = ()) -> Sheet:
-    """Return the sheet of a log: every column over time, and eta.
-
-    Raises ValueError for a log without columns, or with more than `MOST` panels.
-    """
+    """Return the sheet of a log. Raises ValueError for no panel, or more than `MOST` panels."""
     time, groups = log.time, panels_of(log)
     if not 0 < len(groups) <= MOST:
         raise ValueError(f"{len(groups)} panels, at most {MOST} can be drawn")
-    marked, channels, panels = list(events), channels_log(log), list[Panel]()
+    all_events, channels, panels = list(events), channels_log(log), list[Panel]()
     for axis, columns in groups.items():
         kind = _kind(columns[0].name)
         name = axis if kind in {panel.name for panel in panels} else kind
@@ -115,7 +108,7 @@ def log_sheet(log: WholeLog, events: Iterable[RunEvent] = ()) -> Sheet:
         title = "Wheel speed rear over front, less 1"
         panels.append(Panel("eta", title, _TIME, style.ETA, [line]))
     drawn = [
-        replace(panel, marks=_marked(marked, named=not i), xlim=(time[0], time[-1]))
+        replace(panel, marks=_marks(all_events, named=not i), xlim=(time[0], time[-1]))
         for i, panel in enumerate(panels)
     ]
     names = [panel.name for panel in panels]
@@ -123,7 +116,7 @@ def log_sheet(log: WholeLog, events: Iterable[RunEvent] = ()) -> Sheet:
         kind="log",
         name=log.name,
         panels=tuple(drawn),
-        rows=rows_of(names, 1 + (len(names) > _COLUMN)),
+        rows=rows_of(names, 1 + (len(names) > _ONE_COLUMN)),
         heights=(_PANEL,),
         title=f"Log {log.name}",
         note=f"Digest {log.digest[:16]}, {time.size} samples. Nothing is filtered.",
@@ -148,29 +141,28 @@ def _eta(log: Log) -> Array:
     return np.where(turning, 100.0 * (rear / np.where(turning, front, 1.0) - 1.0), np.nan)
 
 
-def _marked(events: Iterable[RunEvent], named: bool) -> list[Mark]:
+def _marks(events: Iterable[RunEvent], named: bool) -> list[Mark]:
     """Return the events as marks; if ``named``, the legend has each kind once."""
-    marks, labelled = [], set[str]()
+    marks, unlabelled = [], set(_EVENTS if named else ())
     for event in events:
-        is_new = named and event.kind not in labelled
-        labelled.add(event.kind)
-        label = event.kind if is_new else ""
+        label = event.kind if event.kind in unlabelled else ""
+        unlabelled.discard(event.kind)
         marks.append(Mark(event.start, event.end, _EVENTS[event.kind], label))
     return marks
 
 
-def panels_of(whole: WholeLog) -> dict[str, tuple[WholeColumn, ...]]:
+def panels_of(log: WholeLog) -> dict[str, list[WholeColumn]]:
     """Return the columns by the label of their panel, in the order of the log; no clock."""
-    groups: dict[str, tuple[WholeColumn, ...]] = {}
-    for column in whole.columns:
+    groups: dict[str, list[WholeColumn]] = {}
+    for column in log.columns:
         if column.name != TIME:
-            key = f"{_kind(column.name)} [{column.unit or '?'}]"
-            groups[key] = (*groups.get(key, ()), column)
+            label = f"{_kind(column.name)} [{column.unit or '?'}]"
+            groups.setdefault(label, []).append(column)
     return groups
 
 
 def _kind(name: str) -> str:
-    """Return ``omega`` of omega_fl, ``T_disc`` of T_disc_f; a foreign name is its own kind."""
+    """Return `omega` of omega_fl, `T_disc` of T_disc_f; a foreign name is its own kind."""
     stem, _, last = name.rpartition("_")
     is_ours = name in CHANNELS or name.startswith(TRUTH)
     return stem if is_ours and last in (*WHEELS, "f", "r") else name

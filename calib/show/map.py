@@ -1,6 +1,6 @@
 """The map of a table over eta - 1 and z: the ratio of the pads, and how well the ratio is known.
 
-z |  ...##%%   colours  pad friction front over rear, over that ratio on the ramp, or its half width
+z |  ...##%%   colours  front over rear pad friction, over that ratio on the ramp, or its half width
   | ..##%%     line     eta - 1 and z of the ramp
   |.##%%       points   eta - 1 and z of stops, as means over 0.3 s
   +-------- eta - 1
@@ -18,16 +18,14 @@ from calib.show.style import BODY, ETA, WHEEL_STROKES, Array, dots
 from calib.table.maps import Reader
 from calib.table.table import Table
 
-_SEEN = 0.02
-"""Smallest share of the stops at a z that a drawn place of the map holds [1]."""
+_SMALLEST_SHARE = 0.02
+"""Share of the stops at a z below which a place of the map stays white [1]."""
 _STEPS = 56
 """Places of the drawn map along each axis."""
 _AROUND = 1.5
 """Ends of the axes over the largest eta - 1 and z of the ramp and of the stops."""
-_POINTS = 400
-"""Number of drawn points of a stop, about."""
-_SLICES = 4
-"""Number of maps for a browser, from the lowest slip to the highest."""
+_POINTS, _SLICES = 400, 4
+"""About the number of drawn points of a stop; number of maps for a browser, over slip."""
 _SLIP = "slip, in standard deviations of stops"
 """Name of the third axis of the map."""
 
@@ -40,9 +38,9 @@ def map_panels(
     ``stops`` are eta - 1 and z of stops, (n,) each, by the names of the stops.
     """
     axes, (low, high) = _axes(table, [*stops.values()]), table.map.axes["slip"][[0, -1]]
-    # at the usual slip, and then the slices for a browser
-    maps = [_read(table, axes, slip) for slip in (0.0, *np.linspace(low, high, _SLICES))]
     slider = _SLIP, float(low), float(high)
+    # the first map is at the usual slip, the others are the slices for a browser
+    maps = [_read(table, axes, slip) for slip in (0.0, *np.linspace(low, high, _SLICES))]
     ratio, *ratios = (np.exp(change) for change, _, _ in maps)
     half, *halves = (50.0 * (np.exp(upper) - np.exp(lower)) for _, lower, upper in maps)
     thick = {**BODY, "linewidth": 1.8}
@@ -52,25 +50,22 @@ def map_panels(
         lines.append(Line(100.0 * x, z, dots(look, 2.0, rasterized=True), name))
     x, z = 100.0 * axes[0].ravel(), axes[1].ravel()
     place = x[0], x[-1], z[0], z[-1]
-    fields = {
-        ("map", "Map: front over rear pads, over the ramp's [1]"): Field(
-            ratio, place, 1.0, ratios, slider, _torques(table)
-        ),
-        ("map-band", "Half width of its 95 % interval [%]"): Field(
-            half, place, None, halves, slider
-        ),
-    }
-    first, second = (
-        Panel(*names, ETA, "deceleration over g [1]", lines, xlim=place[:2], ylim=place[2:],
-              columns=2, field=field)
-        for names, field in fields.items()
-    )  # fmt: skip
-    return first, second
+
+    def panel(name: str, title: str, field: Field) -> Panel:
+        return Panel(name, title, ETA, "deceleration over g [1]", lines, xlim=place[:2],
+                     ylim=place[2:], columns=2, field=field)  # fmt: skip
+
+    of_ratio = Field(ratio, place, 1.0, ratios, slider, _torques(table))
+    of_half = Field(half, place, None, halves, slider)
+    return (
+        panel("map", "Map: front over rear pads, over the ramp's [1]", of_ratio),
+        panel("map-band", "Half width of its 95 % interval [%]", of_half),
+    )
 
 
-def _axes(table: Table, others: Sequence[tuple[Array, Array]]) -> tuple[Array, Array]:
-    """Return eta - 1 (1, k) and z (k, 1) of the places, around the ramp and the ``others``."""
-    drawn = [(table.paper.eta - 1.0, table.paper.z), *others]
+def _axes(table: Table, stops: Sequence[tuple[Array, Array]]) -> tuple[Array, Array]:
+    """Return eta - 1 (1, k) and z (k, 1) of the places, around the ramp and the ``stops``."""
+    drawn = [(table.paper.eta - 1.0, table.paper.z), *stops]
     eta_less_1, z = (np.concatenate(values) for values in zip(*drawn, strict=True))
     left, right = 1.1 * min(np.nanmin(eta_less_1), 0.0), _AROUND * np.nanmax(eta_less_1)
     top = min(_AROUND * np.nanmax(z), table.map.axes["z"][-1])
@@ -78,22 +73,16 @@ def _axes(table: Table, others: Sequence[tuple[Array, Array]]) -> tuple[Array, A
 
 
 def _read(table: Table, axes: tuple[Array, Array], slip: float) -> list[Array]:
-    """Return ln of the ratio over that of the ramp, and its bounds, (k, k) each.
-
-    They are NaN where no stop is expected. The axis ``shift`` of a map is (eta - 1) / z.
-    """
+    """Return ln of the ratio over the ramp's, and its bounds, (k, k) each; NaN off all stops."""
     eta_less_1, z = axes
-    shift = eta_less_1 / np.maximum(z, table.map.axes["z"][0])
+    shift = eta_less_1 / np.maximum(z, table.map.axes["z"][0])  # an axis of the map
     read = Reader(table.map, ("change", "change_lower", "change_upper", "share"))
     *changes, share = read(z, shift, slip)
-    return [np.where(share > _SEEN, change, np.nan) for change in changes]
+    return [np.where(share > _SMALLEST_SHARE, change, np.nan) for change in changes]
 
 
 def _torques(table: Table) -> tuple[float, float, float]:
-    """Return the torque of an axle that brakes alone [N m] at z = 1, front and rear.
-
-    The third value is the front axle's share of the torque over the rear one's, on the ramp [1].
-    """
+    """Return the ``torques`` of the `Field` of the ratio."""
     car, level = table.vehicle, float(np.exp(np.mean(table.level_map.level)))
     share = float(front_share(car, table.calibration.pad_log_ratio.value))
     front, rear = (level * car.weight * axle.rolling_radius for axle in (car.front, car.rear))

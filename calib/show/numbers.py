@@ -10,7 +10,7 @@ from calib.base.plain import NBSP
 if TYPE_CHECKING:
     from calib.diagnosis.diagnosis import ParameterEstimate
 
-_SHOWN = {
+_PRINTED = {
     "Pa": ("bar", 1e-5),
     "m/s": ("km/h", 3.6),
     "1/Pa": ("%/bar", 1e7),
@@ -24,18 +24,17 @@ _SHOWN = {
 """Printed unit of an SI unit, and the factor to it; other units are printed unchanged."""
 
 _UNIT = r"%|sigma|degC?|rad/s|bar|[cmukM]?(?:g|m|s|Pa|Hz|N|J|W)(?:[/*^]\w+)*"
-"""Pattern of a unit."""
 _BEFORE_UNIT = re.compile(rf"(?<=\d) (?=(?:{_UNIT})(?![\w*^]))")
-"""Space between a number and a unit."""
-_METRES = re.compile(r"\b(k?N) (?=m\b)")
-"""Force and space of the unit N m."""
+_IN_NEWTON_METRES = re.compile(r"\b(k?N) (?=m\b)")
+"""Patterns of a unit, of the space between number and unit, and of the N and space of N m."""
 
 
-def whole(text: str) -> str:
+def unbroken(text: str) -> str:
     """Return the text with no-break spaces between numbers and units; a command is not changed."""
     if text.startswith("brake-cal "):
         return text
-    return _BEFORE_UNIT.sub(NBSP, _METRES.sub(rf"\1{NBSP}", text.replace(" ± ", f"{NBSP}±{NBSP}")))
+    text = _IN_NEWTON_METRES.sub(rf"\1{NBSP}", text.replace(" ± ", f"{NBSP}±{NBSP}"))
+    return _BEFORE_UNIT.sub(NBSP, text)
 
 
 def spaced(name: str) -> str:
@@ -49,40 +48,39 @@ def listed(names: Sequence[str], last: str = "and") -> str:
     return f"{', '.join(others)} {last} {final}" if others else final
 
 
-def in_shown(value: float, unit: str) -> float:
-    """Return a value [SI ``unit``] in the unit that is printed."""
-    return value * _SHOWN.get(unit, (unit, 1.0))[1]
+def to_printed(value: float, unit: str) -> float:
+    """Return a ``value`` [SI ``unit``] in its printed unit."""
+    return value * _PRINTED.get(unit, (unit, 1.0))[1]
 
 
 def with_unit(text: str, unit: str) -> str:
-    """Return a text with the printed unit of a quantity whose SI unit is ``unit``."""
-    return f"{text} {_SHOWN.get(unit, (unit, 1.0))[0]}".rstrip()
+    """Return a text with the printed unit for the SI ``unit``."""
+    return f"{text} {_PRINTED.get(unit, (unit, 1.0))[0]}".rstrip()
 
 
 def number(value: float, step: float) -> str:
     """Return a value as text, rounded to the second significant digit of ``step``.
 
-    ``step`` has the unit of the value, such as the half width of its interval; 0 stands for a
-    thousandth of the value.
+    ``step`` is in the unit of the value; 0 stands for a thousandth of the value.
     """
     if not math.isfinite(value) or not math.isfinite(step):
         return "not known"
     step = step or 1e-3 * abs(value) or 1.0
-    exponent = math.floor(math.log10(step))
-    return f"{value:z.{max(0, 1 - exponent)}f}"
+    decimals = max(0, 1 - math.floor(math.log10(step)))
+    return f"{value:z.{decimals}f}"
 
 
 def estimate(parameter: "ParameterEstimate") -> tuple[str, str]:
     """Return a parameter with its unit, and its 95 % interval in the same unit, as texts."""
-    value, low, high = (in_shown(x, parameter.unit) for x in (parameter.value, *parameter.ci95))
+    value, low, high = (to_printed(x, parameter.unit) for x in (parameter.value, *parameter.ci95))
     half = 0.5 * (high - low)
     interval = f"{number(low, half)} to {number(high, half)}"
     return with_unit(number(value, half), parameter.unit), interval
 
 
 def span(ends: tuple[float, float], unit: str) -> str:
-    """Return a range [SI ``unit``] as text: `20 to 29 bar`; a narrow one has a decimal."""
-    low, high = (in_shown(end, unit) for end in ends)
+    """Return a range [SI ``unit``] as text: `20 to 29 bar`; a narrow range has a decimal."""
+    low, high = (to_printed(end, unit) for end in ends)
     digits = 0 if high - low >= 2.0 else 1
     first, last = f"{low:z.{digits}f}", f"{high:z.{digits}f}"
     return with_unit(first if first == last else f"{first} to {last}", unit)

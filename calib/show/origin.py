@@ -5,8 +5,7 @@ from pathlib import Path
 
 from calib.base.digest import file_digest
 from calib.base.names import PROGRAM
-from calib.show.facts import Facts
-from calib.show.facts import Table as Cells
+from calib.show.facts import Facts, Table
 from calib.store.version import Stored
 
 _DIGESTS = "Inputs, with the SHA-256 of their bytes."
@@ -20,8 +19,8 @@ def origin(
 ) -> Facts:
     """Return the part of a page that says where its results come from.
 
-    ``logs`` are roles, names and SHA-256; ``files`` are other inputs by their roles, whose digests
-    are computed here. Raises OSError for a file that is gone.
+    ``logs`` are roles, names and SHA-256; ``files`` are other inputs by their roles. Raises OSError
+    for a file that is gone.
     """
     inputs = [(name, role, digest) for role, name, digest in logs]
     inputs += [(path.name, role, file_digest(path)) for role, path in (files or {}).items()]
@@ -32,5 +31,5 @@ def origin(
             ("Date", date),
             ("Program", PROGRAM),
         ],
-        tables=[Cells(("file", "role", "SHA-256"), inputs, _DIGESTS)],
+        tables=[Table(("file", "role", "SHA-256"), inputs, _DIGESTS)],
     )

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from calib.show.style import Array, Axes, Stroke, envelope, pale, reach, smooth
+from calib.show.style import Array, Axes, Stroke, axis_ends, envelope, pale, smooth
 
 _POINTS = 72.0
 """Points to the inch."""
@@ -34,8 +34,7 @@ class Line:
     look : colour, width, dashes and marker.
     label : name in the legend, "" for none.
     band : lower and upper bounds (n,) of the values.
-    mean : window of a mean [s], of noisy values over time: the mean is drawn as the line, and the
-        values thin and pale behind it. 0: the values are the line.
+    mean : window [s] of the mean that is drawn as the line, with ``y`` pale behind it; 0 for none.
     """
 
     x: Array | Sequence[float]
@@ -47,12 +46,12 @@ class Line:
 
     @property
     def shown(self) -> Array:
-        """Values of the thick line (n,): the mean where there is one, or else ``y``."""
+        """Values of the thick line (n,): the mean, or ``y`` without one."""
         y = np.asarray(self.y, float)
         return smooth(np.asarray(self.x), y, self.mean) if self.mean else y
 
-    def fill(self, ax: Axes, parts: int) -> None:
-        """Draw the line; of a long line the `envelope` in so many ``parts``."""
+    def draw(self, ax: Axes, parts: int) -> None:
+        """Draw the line without its band; of a long line the `envelope` in so many ``parts``."""
         x, colour = np.asarray(self.x, float), self.look["color"]
         if self.mean:
             y = np.asarray(self.y, float)
@@ -61,7 +60,7 @@ class Line:
         points = envelope(self.shown, parts)
         ax.plot(x[points], self.shown[points], label=self.label, **self.look)
 
-    def fill_band(self, ax: Axes, parts: int) -> None:
+    def draw_band(self, ax: Axes, parts: int) -> None:
         """Draw the band in a pale colour, with its edges."""
         if self.band is None:
             return
@@ -80,8 +79,8 @@ class Mark:
     look: Stroke
     label: str = ""
 
-    def fill(self, ax: Axes) -> None:
-        """Draw it behind the lines."""
+    def draw(self, ax: Axes) -> None:
+        """Draw the mark behind the lines."""
         if self.start == self.end:
             ax.axvline(self.start, label=self.label, zorder=1, **self.look)
         else:
@@ -90,10 +89,9 @@ class Mark:
 
 @dataclass(frozen=True)
 class Field:
-    """Values as colours over the whole panel, whose title names them.
+    """Values as colours over the whole panel, whose title names the values.
 
-    A third axis, which only a browser can show, has a slider. For the map of a table, the cursor
-    tells the brake torques at a place.
+    A third axis, which only a browser can show, has a slider.
 
     Attributes
     ----------
@@ -102,9 +100,9 @@ class Field:
     middle : value in the middle of the colours; None for a scale from the lowest to the highest.
     slices : the values at equal steps of the third axis.
     slider : name and both ends of the third axis.
-    torques : torque of the front and of the rear axle [N m], for y = 1, if that axle brakes alone;
-        torque share of the front axle over that of the rear axle where the value is 1 [1]. () for
-        none.
+    torques : numbers by which a cursor on the map of a table tells brake torques; () for none. At
+        y = 1: torque of the front axle if it brakes alone, the same of the rear axle [N m], and
+        front over rear torque where the value is 1 [1].
     """
 
     values: Array
@@ -123,7 +121,7 @@ class Field:
         half = max(high - self.middle, self.middle - low)
         return "RdBu_r", self.middle - half, self.middle + half
 
-    def fill(self, ax: Axes) -> None:
+    def draw(self, ax: Axes) -> None:
         """Draw the field, with its scale beside the axes; in an SVG both are pixels."""
         from matplotlib.ticker import MaxNLocator
 
@@ -145,13 +143,12 @@ class Panel:
     ----------
     name : name of the panel, which ``--figure`` takes.
     title : text above the axes.
-    x, y : names of what is on the axes, with units.
-    lines : lines in the order in which they are drawn, the last one on top. Of the bands the first
-        one is on top.
+    x, y : labels of the axes, with units.
+    lines : lines in the order of drawing: the last line is on top, and the first band.
     marks : parts of the x axis, behind the lines.
     texts : words, and x and y of the point that they stand beside.
-    xlim, ylim : ends of the axes. With ``ylim`` None they hold zero and the means of the lines,
-        where a line has a mean, or else all that is drawn.
+    xlim, ylim : ends of the axes; None for all that is drawn. Where lines have means, the y axis
+        then shows zero and the means.
     xticks, yticks : words at 0, 1, 2 ... instead of numbers.
     columns : number of entries in a row of the legend.
     field : colours behind everything, between ``xlim`` and ``ylim``.
@@ -171,19 +168,16 @@ class Panel:
     columns: int = 3
     field: Field | None = None
 
-    def fill(self, ax: Axes, parts: int = PARTS) -> float:
-        """Draw the panel without its title; return the height of the legend [pt].
-
-        Long lines are drawn as their `envelope` in so many ``parts``.
-        """
+    def draw(self, ax: Axes, parts: int = PARTS) -> float:
+        """Draw the panel without its title; return the height of the legend [pt]."""
         if self.field is not None:
-            self.field.fill(ax)
+            self.field.draw(ax)
         for line in self.lines:
-            line.fill(ax, parts)
+            line.draw(ax, parts)
         for line in reversed(self.lines):
-            line.fill_band(ax, parts)
+            line.draw_band(ax, parts)
         for mark in self.marks:
-            mark.fill(ax)
+            mark.draw(ax)
         for text, *point in self.texts:
             # in the right half of the axis there is room on the left of the point
             is_left = self.xlim is not None and point[0] > np.mean(self.xlim)
@@ -191,9 +185,9 @@ class Panel:
             side = "right" if is_left else "left"
             ax.annotate(text, (point[0], point[1]), textcoords="offset points", ha=side, **shift)
         ax.set(xlabel=self.x, ylabel=self.y)
-        for limit, set_to in ((self.xlim, ax.set_xlim), (self.height, ax.set_ylim)):
-            if limit is not None:
-                set_to(*limit)
+        for ends, set_ends in ((self.xlim, ax.set_xlim), (self.y_ends, ax.set_ylim)):
+            if ends is not None:
+                set_ends(*ends)
         if self.xticks:
             ax.set_xticks(range(len(self.xticks)), self.xticks)
         if self.yticks:
@@ -203,13 +197,12 @@ class Panel:
         legend = ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=self.columns)
         return _POINTS * legend.get_window_extent().height / legend.figure.dpi
 
-    def shares(self, other: "Panel") -> bool:
-        """Whether this panel and the ``other`` one have the same x axis, which is labelled once."""
+    def shares_x(self, other: "Panel") -> bool:
+        """Whether this panel and the ``other`` panel have the same x axis."""
         return self.xlim is not None and (self.x, self.xlim) == (other.x, other.xlim)
 
     @property
-    def height(self) -> tuple[float, float] | None:
-        """Ends of the y axis; None where the axis shows all that is drawn."""
-        if self.ylim is not None:
-            return self.ylim
-        return reach(*(line.shown for line in self.lines if line.mean), zero=True)
+    def y_ends(self) -> tuple[float, float] | None:
+        """Ends of the y axis; None for all that is drawn."""
+        means = [line.shown for line in self.lines if line.mean]
+        return self.ylim or axis_ends(*means, with_zero=True)

@@ -1,4 +1,4 @@
-"""What the ramps say of a car: prior and posterior of each quantity, and two that correlate.
+"""Prior and posterior of each quantity that a fit draws, and the correlation of pads and tyres.
 
 prior      |=========|      from -1 to 1: 95 % interval of `calib.car.beliefs`, for any car
 posterior     |-o-|         95 % interval of the draws of the table, over the prior's half width
@@ -16,12 +16,12 @@ from calib.show.panel import Line, Mark, Panel
 from calib.show.style import FRONT, NOMINAL, SHADE, Array, dots
 from calib.table.table import Table
 
-_OUTSIDE = 2.1
-"""End of the axis, in half widths of a prior [1]."""
+_AXIS_END = 2.1
+"""In half widths of a prior [1]."""
 
 
 class _Quantity(NamedTuple):
-    """A quantity with its draws (n,) from the posterior, and its prior."""
+    """A quantity with its prior, and its ``draws`` (n,) from the posterior."""
 
     name: str
     draws: Array
@@ -34,7 +34,7 @@ class _Quantity(NamedTuple):
 
 
 def quantities(table: Table) -> list[_Quantity]:
-    """Return the quantities that the fit draws, the ratio of the pads first, tyres second."""
+    """Return the quantities that the fit draws; ratios of pads and tyres are the first two."""
     e, pads = ensemble_of(table.vehicle, table.draws), CAR.log_pad_ratio
     pads = pads._replace(sigma=pad_ratio_prior(table.vehicle, None).sigma)
     mean = 0.5 * (e.compliance_f + e.compliance_r)
@@ -53,10 +53,7 @@ def quantities(table: Table) -> list[_Quantity]:
 
 
 def forest(table: Table) -> Panel:
-    """Return the panel with prior and posterior of each quantity.
-
-    A text says which share of the width of the prior is left.
-    """
+    """Return the panel with prior and posterior of each quantity, and the share of width left."""
     shown = quantities(table)[::-1]
     lines, texts = list[Line](), []
     for i, quantity in enumerate(shown):
@@ -64,7 +61,7 @@ def forest(table: Table) -> Panel:
         label = "" if i else "posterior, 95 %"
         lines.append(Line([low, high], [i, i], FRONT, label))
         lines.append(Line([middle], [i], dots(FRONT, 4.0)))
-        texts.append((f"{50.0 * (high - low):.0f} % left", _OUTSIDE, i + 0.25))
+        texts.append((f"{50.0 * (high - low):.0f} % left", _AXIS_END, i + 0.25))
     return Panel(
         "posterior",
         "Prior and posterior",
@@ -73,7 +70,7 @@ def forest(table: Table) -> Panel:
         lines,
         [Mark(-1.0, 1.0, {"color": SHADE}, "prior, 95 %")],
         texts,
-        xlim=(-_OUTSIDE, _OUTSIDE),
+        xlim=(-_AXIS_END, _AXIS_END),
         ylim=(-0.6, len(shown) - 0.4),
         yticks=[quantity.name for quantity in shown],
         columns=2,
@@ -81,10 +78,7 @@ def forest(table: Table) -> Panel:
 
 
 def pairs(table: Table) -> Panel:
-    """Return the panel with the draws of the ratios of pads and of tyres.
-
-    A ramp without v measures only the sum of the two ratios.
-    """
+    """Return the panel with the draws of the ratios, of which a ramp without v sees the sum."""
     pad, tyre, *_ = quantities(table)
     look = dots(NOMINAL, 2.0, alpha=0.6, rasterized=True)
     lines = [Line(100.0 * pad.draws, 100.0 * tyre.draws, look)]

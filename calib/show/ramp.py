@@ -1,10 +1,9 @@
 """The ramps of a calibration as measured points for Fig. 6.
 
-The curves of a table are those of a car without air drag, grade and rolling resistance, and so are
-the points that are compared with the curves. The pads of the table turn the pressure into brake
-forces, and the model of the car without resistance turns these forces into z, f1 and f2. The eta of
-a point is the measured eta, over the model's eta with the resistance of this run, times the model's
-eta without resistance.
+The curves of a table, and so these points, are those of a car without air drag, grade and rolling
+resistance. The pads of the table turn pressure into brake forces, and the model of the car without
+resistance turns these forces into z, f1 and f2. The eta of a point is the measured eta times the
+model's eta without resistance over the model's eta with the resistance of this run.
 """
 
 from dataclasses import dataclass, replace
@@ -48,8 +47,8 @@ class MeasuredRamp:
 def measure(table: Table, log: Log) -> MeasuredRamp:
     """Return a ramp as points, with the pads and the draws of the posterior of ``table``.
 
-    f1 and f2 are smooth, as they are computed from the pressure; eta has the noise of the wheel
-    speeds. Raises LogError as `calib.run.run.Run.signals` does.
+    f1 and f2 come from the pressure and are smooth; eta has the noise of the wheel speeds. Raises
+    LogError as `calib.run.run.Run.signals`.
     """
     read = Run(log, table.vehicle)
     car = read.car
@@ -84,7 +83,7 @@ def measure(table: Table, log: Log) -> MeasuredRamp:
 
 def points(ramp: MeasuredRamp, x: Array, y: Array, stroke: Stroke, label: str = "") -> Line:
     """Return points over ``x`` and ``y`` (k,): means of `_GROUP` braked blocks in a row."""
-    braked = np.array([x, y])[:, ramp.braked]
+    braked = np.array([x, y])[:, ramp.braked]  # (2, number of braked blocks)
     count = braked.shape[1] // _GROUP  # an incomplete group is left out
     means = braked[:, : count * _GROUP].reshape(2, count, _GROUP).mean(axis=2)
     marker = "^" if stroke is REAR else "o"

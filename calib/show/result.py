@@ -1,28 +1,35 @@
-"""A stored result: the Parquet file that `brake-cal validate --out` writes for each log."""
+"""A stored result: the Parquet file that `brake-cal validate --out` writes for each log.
+
+Verdict, torque errors and warnings are those of the summary beside the file, if it is there.
+"""
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from calib.base.arrays import Array, Mask
 from calib.base.bounded import RESULT, read_bounded
 from calib.base.digest import sha256
 from calib.base.errors import InputError
-from calib.estimation.limits import FAILED, PASSED
+from calib.base.warning import PlausibilityWarning
+from calib.estimation.limits import FAILED, PASSED, Judgement
 from calib.estimation.results import SUMMARY
-from calib.estimation.validate import NONE
+from calib.estimation.validate import NONE, REFERENCE
 from calib.logs.parquet import numbers, parquet_table
-from calib.show.judged import verdict_words
-from calib.show.torque import ENDS
+from calib.show.judged import broken, verdict_words, warned
+from calib.show.torque import ENDS, errors_in
 from calib.store.evidence import CONSISTENT
 
 COLUMNS = (
     *("time", "z", "eta", "normalised_force_f", "normalised_force_r", "ecu_reason"),
     *("pad_friction_f", "pad_friction_r"),
     *(f"ecu_pad_friction_{axle}{end}" for axle in "fr" for end in ENDS),
-    *(f"ecu_brake_torque_{part}{end}" for part in ("fl", "rl", "sum") for end in ENDS),
-)
-"""Numeric columns of a result that are drawn."""
+    *(
+        f"{prefix}brake_torque_{part}{end}"
+        for prefix in ("", "ecu_") for part in ("fl", "rl", "sum") for end in ENDS
+    ),
+)  # fmt: skip
+"""Numeric columns of a result that are drawn or compared."""
 _VALID = ("valid", "ecu_valid")
 """Columns that say where the best estimate and the ECU are valid."""
 
@@ -34,23 +41,23 @@ class StoredResult:
     Attributes
     ----------
     name : stem of the log's name.
-    digest : SHA-256 of the file.
     values : the `COLUMNS` (n,) by their names.
     valid : samples (n,) in which the answer of the ECU counts.
-    verdict : the verdict in words; "" without a summary beside the file.
+    note : the digest of the file, and the table and the warnings if there is a summary.
+    verdict : the verdict, broken limits and torque errors in words; () without a summary.
     ramp_pads : pad friction of the front and the rear axle on the ramp [1]; () without a summary.
     """
 
     name: str
-    digest: str
     values: dict[str, Array]
     valid: Mask
-    verdict: str = ""
+    note: str
+    verdict: tuple[str, ...] = ()
     ramp_pads: tuple[float, ...] = ()
 
 
 def is_result(path: Path) -> bool:
-    """Return whether ``path`` is a Parquet file with the columns that only a result has."""
+    """Return whether ``path`` is a Parquet file with columns that only a result has."""
     from pyarrow import ArrowException
     from pyarrow.parquet import read_schema
 
@@ -81,20 +88,35 @@ def read_result(path: Path) -> StoredResult:
         best_valid, ecu_valid = (numbers(columns[name]) > 0.0 for name in _VALID)
     except (OSError, ArrowException, TypeError, ValueError) as cause:
         raise InputError(f"cannot be read ({cause})", where=path) from cause
-    digest = sha256(data)
     # in a run where the best estimate is nowhere valid, no answer of the ECU counts
     valid = ecu_valid & best_valid.any()
-    return StoredResult(path.stem, digest, values, valid, *_summary_of(path))
-
-
-def _summary_of(path: Path) -> tuple[str, tuple[float, ...]]:
-    """Return the verdict in words and the pads of the ramp, from the summary beside a result."""
+    note = f"Result {path.stem}, digest {sha256(data)[:16]}."
+    result = StoredResult(path.stem, values, valid, note)
     try:
-        summary = json.loads(path.with_name(SUMMARY).read_bytes())
-        (log,) = (one for one in summary["logs"] if one["log"] == path.stem)
-        passed = PASSED if log["proof"] != NONE else CONSISTENT
-        verdict = FAILED if log["verdict"] == FAILED else passed
-        warnings = sum(one["log"] == path.stem for one in summary["warnings"])
-        return verdict_words(log["role"], verdict, warnings), tuple(summary["ramp_pads"])
-    except (OSError, ValueError, KeyError, TypeError):
-        return "", ()
+        return _with_summary(result, path, best_valid)
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, InputError):
+        return result  # there is no summary, or another one
+
+
+def _with_summary(result: StoredResult, path: Path, best_valid: Mask) -> StoredResult:
+    """Return a result with what the summary beside its file says of it."""
+    summary = json.loads(path.with_name(SUMMARY).read_bytes())
+    (log,) = (entry for entry in summary["logs"] if entry["log"] == result.name)
+    warnings = [PlausibilityWarning(**entry) for entry in summary["warnings"]]
+    titles = [warning.title for warning in warnings if warning.log == result.name]
+    passed = PASSED if log["proof"] != NONE else CONSISTENT
+    verdict = FAILED if log["verdict"] == FAILED else passed
+    judgements = [
+        Judgement(x["figure"], x["min"], x["max"], required=x["passed"] is False, value=x["value"])
+        for x in log["limits"]
+    ]
+    compared = result.valid & best_valid & (log["rms_error_against"] == REFERENCE)
+    error = errors_in(log["figures"], result.values, compared)
+    words = verdict_words(log["role"], verdict, len(titles))
+    table = f" Table {summary['table']}, digest {summary['digest'][:16]}."
+    return replace(
+        result,
+        note=result.note + table + warned(titles),
+        verdict=(words, *broken(judgements), *error.in_words),
+        ramp_pads=tuple(summary["ramp_pads"]),
+    )

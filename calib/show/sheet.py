@@ -10,7 +10,7 @@ from string import ascii_letters
 from typing import Any
 
 from calib.base.write import write_whole
-from calib.show.numbers import whole
+from calib.show.numbers import unbroken
 from calib.show.panel import PARTS, Panel
 from calib.show.style import HEIGHT, WIDTH, Figure, styled
 
@@ -27,9 +27,9 @@ class Sheet:
     kind : what is drawn: table, stop, simulation, log and so on.
     name : name of what is drawn, for file names.
     panels : all panels; a panel that ``rows`` does not name is drawn only alone.
-    rows : names of the panels in each row of the page. All rows have as many places, and a panel
-        that spans several places is named in each of them. () for one panel a row.
-    heights : height of each row, over that of a usual row; a single value is for all rows.
+    rows : names of the panels in each row of the page, () for one panel a row. All rows have as
+        many places; a panel that spans several places is named in each of them.
+    heights : height of each row, over 2.5 in; a single value is for all rows.
     title, note : text above the panels and below them.
     result : the answer in short, below the title.
     """
@@ -54,7 +54,7 @@ class Sheet:
         return tuple(dict.fromkeys(name for row in self.rows for name in row)) or self.names
 
     def overview(self) -> Figure:
-        """Draw the page: A4 wide and 2.5 in for each row, at most A4 high."""
+        """Draw the page: A4 wide, and at most A4 high."""
         from matplotlib.figure import Figure
 
         rows = self.rows or tuple((name,) for name in self.names)
@@ -64,7 +64,7 @@ class Sheet:
             height = min(2.5 * sum(heights) + 0.8, HEIGHT)
             figure = Figure(figsize=(WIDTH, height), layout="constrained")
             axes = figure.subplot_mosaic([list(row) for row in rows], height_ratios=heights)
-            legends = {name: panels[name].fill(ax) for name, ax in axes.items()}
+            legends = {name: panels[name].draw(ax) for name, ax in axes.items()}
             for letter, (name, ax) in zip(ascii_letters, axes.items(), strict=False):
                 row = next(row for row in rows if name in row)
                 # the titles of a row are at one height, above its highest legend
@@ -83,7 +83,7 @@ class Sheet:
         for upper, lower in pairwise(self.rows or [(name,) for name in self.names]):
             for above, below in zip(upper, lower, strict=True):
                 is_as_wide = above != below and upper.count(above) == lower.count(below)
-                if is_as_wide and panels[above].shares(panels[below]):
+                if is_as_wide and panels[above].shares_x(panels[below]):
                     names.add(above)
         return names
 
@@ -92,8 +92,7 @@ class Sheet:
     ) -> Figure:
         """Draw the panel ``name`` alone, in a ``size`` of width and height [in].
 
-        Long lines are drawn as their `envelope` in so many ``parts``. Raises KeyError for a name
-        that the sheet does not have.
+        ``parts`` are those of the `envelope` of a long line. Raises KeyError for an unknown name.
         """
         from matplotlib.figure import Figure
 
@@ -101,7 +100,7 @@ class Sheet:
         with styled():
             figure = Figure(figsize=size, layout="constrained")
             ax = figure.subplots()
-            ax.set_title(panel.title, pad=4.0 + panel.fill(ax, parts))
+            ax.set_title(panel.title, pad=4.0 + panel.draw(ax, parts))
             _frame(figure, self, 125)
         return figure
 
@@ -117,11 +116,12 @@ def rows_of(names: Sequence[str], columns: int) -> tuple[tuple[str, ...], ...]:
 
 
 def _frame(figure: Figure, sheet: Sheet, width: int) -> None:
-    """Write the title above the panels, and below them the note in lines of ``width`` letters."""
-    lines = (sheet.title, *textwrap.wrap(whole(sheet.result), int(figure.get_figwidth() / _LETTER)))
+    """Write title and result above the panels, and the note, ``width`` letters wide, below them."""
+    letters = int(figure.get_figwidth() / _LETTER)
+    lines = (sheet.title, *textwrap.wrap(unbroken(sheet.result), letters))
     figure.suptitle("\n".join(lines), x=0.012, ha="left")
     if sheet.note:
-        text = "\n".join(textwrap.wrap(whole(sheet.note), width))
+        text = "\n".join(textwrap.wrap(unbroken(sheet.note), width))
         figure.supxlabel(text, x=0.012, ha="left", fontsize=7.0, color="#444444")
 
 
@@ -130,22 +130,21 @@ _METADATA: dict[str, dict[str, Any]] = {
     ".svg": {"Date": None, "Creator": "brake-cal"},
     ".pdf": {"CreationDate": None, "Producer": "brake-cal", "Creator": "brake-cal"},
 }
-"""Metadata of a file by ending; no time and no version, which would change the bytes."""
+"""Metadata of a file by its ending, without a time and a version, which would change bytes."""
 ENDINGS = tuple(_METADATA)
 _BEGINS = (b"\x89PNG", b"<?xml", b"%PDF")
 """First bytes of a file, one for each of the `ENDINGS`."""
 
 
 def is_picture(data: bytes) -> bool:
-    """Whether the bytes of a file are those of a picture as it is written here."""
+    """Return whether the bytes of a file begin like those of a picture."""
     return data.startswith(_BEGINS)
 
 
 def render(figure: Figure, ending: str, text: bool = False) -> bytes:
     """Return a figure as the bytes of a file with an ``ending`` of `ENDINGS`.
 
-    An SVG whose letters are ``text`` and not outlines has half the size, and shows the font of the
-    machine where it is read. Raises KeyError for another ending.
+    An SVG with letters as ``text`` has half the size, and the font of the machine that shows it.
     """
     with styled(outlines=not text):
         buffer = io.BytesIO()
@@ -154,11 +153,10 @@ def render(figure: Figure, ending: str, text: bool = False) -> bytes:
 
 
 def save(pages: dict[Path, list[Figure]], step: Callable[[], None] = lambda: None) -> None:
-    """Write each file with its pages; all pages are drawn before the first file is written.
+    """Write each file with its pages, of which only a PDF can have several.
 
-    ``step`` is called after each page is drawn. A file other than a PDF takes one page. Raises
-    KeyError for an unknown ending, ValueError for too many pages, OSError if a file cannot be
-    written.
+    All pages are drawn before the first file is written; ``step`` is called after each page. Raises
+    KeyError for an unknown ending, ValueError for too many pages, OSError as `write_whole`.
     """
     ready = {}
     for path, figures in pages.items():

@@ -24,7 +24,7 @@ from calib.show.facts import FAILED, PASSED, WARNING, WORDS, Facts, Picture, Tab
 from calib.show.html import page_of
 from calib.show.panel import Line, Panel
 from calib.show.sheet import Sheet
-from calib.show.style import FRONT, NOMINAL, as_text, names_below, reach
+from calib.show.style import FRONT, NOMINAL, as_text, axis_ends, names_below
 
 _LAST = 30
 """Number of runs in the first table, which has failed ones on top; all others are below."""
@@ -110,7 +110,7 @@ def _trend(runs: Sequence[IndexedRun], key: str) -> Panel | None:
         ],
         xlim=(-0.5, x.size - 0.5),
         xticks=names_below([run.car or run.place for run in measured]),
-        ylim=reach(y, np.array(ends), *least),
+        ylim=axis_ends(y, np.array(ends), *least),
     )
 
 

@@ -2,7 +2,7 @@
 
     an estimate or a stored result --> _Stop --> a sheet, Figs. 9 to 16 of the paper
 
-The time axis is the braking, from shortly before the first bite to shortly after the last release.
+The time axis is the braking, with `_AROUND` before the first bite and after the last release.
 """
 
 from collections.abc import Iterable, Sequence
@@ -22,13 +22,13 @@ from calib.estimation.validate import Validation
 from calib.run.filters import true_intervals
 from calib.show import style
 from calib.show.facts import Picture
-from calib.show.judged import broken, word
+from calib.show.judged import broken, warned, word
 from calib.show.map import map_panels
 from calib.show.panel import Line, Mark, Panel
 from calib.show.result import StoredResult
 from calib.show.sheet import Sheet
 from calib.show.style import Array, Mask, Stroke
-from calib.show.torque import AGAINST, ENDS, SIDES, Columns, errors, in_words, means, torques
+from calib.show.torque import ENDS, SIDES, Columns, errors, in_words, means, torques
 from calib.table.table import Table
 
 _STROKES = {"f": style.FRONT, "r": style.REAR}
@@ -37,10 +37,10 @@ _BEFORE: Stroke = {"linestyle": style.DASH_DOT, "linewidth": 0.9}
 """Look of the pads before the stop, in the colour of the axle."""
 _SLIP_MEAN = 0.3
 """Window of the mean of slip [s]: long, since slip is the difference of nearly equal speeds."""
-_LEAST = 0.05
+_SHORTEST = 0.05
 """Shortest time without a valid answer whose reason is named [s]."""
-_BRAKES, _AROUND = 0.02, 0.5
-"""Share of the largest torque above which a sample brakes; time drawn before and after [s]."""
+_BRAKED, _AROUND = 0.02, 0.5
+"""Share of the largest torque above which a sample is braked; time drawn before and after [s]."""
 _GREYS = ("#EFEFEF", "#DEDEDE", "#CFCFCF")
 """Shades of the reasons for no valid answer, the longest first; the last for all others."""
 _NO_SAMPLE = "no sample of this run counts"
@@ -56,7 +56,7 @@ class _Stop:
     valid : samples (n,) in which the answer of the ECU counts.
     source : where the ``pads`` are from, in words.
     pads : pad friction of the front and the rear axle before the stop [1]; () if not known.
-    truth, slips : true values, and slip of the front and the rear axle [1] (2, n), if known.
+    truth, slips : true values; slip of the front and the rear axle [1], (2, n). None if not known.
     """
 
     columns: Columns
@@ -73,20 +73,15 @@ class _Stop:
 
     @cached_property
     def drawn(self) -> Mask:
-        """Samples of the braking (n,), with some time before and after."""
-        torque = np.asarray(self.columns["ecu_brake_torque_sum"])
-        brakes = self.time[torque > _BRAKES * np.max(torque)]
-        if brakes.size == 0:
-            return np.ones(self.time.size, bool)
-        time = self.time
-        return np.asarray((time >= brakes[0] - _AROUND) & (time <= brakes[-1] + _AROUND))
+        """Samples of the braking (n,), and of `_AROUND` before and after; all of no braking."""
+        torque, time = np.asarray(self.columns["ecu_brake_torque_sum"]), self.time
+        braked = time[torque > _BRAKED * np.max(torque)]
+        first, last = (braked[0], braked[-1]) if braked.size else (time[0], time[-1])
+        return np.asarray((time >= first - _AROUND) & (time <= last + _AROUND))
 
     @cached_property
     def refused(self) -> dict[str, tuple[Mask, float]]:
-        """Samples (n,) without a valid answer, and the drawn time of these [s], by the reason.
-
-        The longest time comes first.
-        """
+        """Samples (n,) without a valid answer, and their drawn time [s]; the longest time first."""
         if not self.valid.any():
             masks = {_NO_SAMPLE: ~self.valid}
         else:
@@ -94,15 +89,15 @@ class _Stop:
             masks = {reason.words: ~self.valid & (number == reason) for reason in Reason}
         step = float(np.median(np.diff(self.time)))
         refused = {
-            why: (mask, step * np.count_nonzero(mask & self.drawn))
-            for why, mask in masks.items()
+            reason: (mask, step * np.count_nonzero(mask & self.drawn))
+            for reason, mask in masks.items()
             if mask.any()
         }
         return dict(sorted(refused.items(), key=lambda item: -item[1][1]))
 
     @property
     def on_map(self) -> Pair:
-        """eta - 1 and z [1] of the m valid samples, (m,) each, as means over `_SLIP_MEAN`."""
+        """eta - 1 and z [1] of the m valid samples, (m,) each: means over `_SLIP_MEAN`."""
         eta, z = (style.smooth(self.time, self.columns[name], _SLIP_MEAN) for name in ("eta", "z"))
         return eta[self.valid] - 1.0, z[self.valid]
 
@@ -112,31 +107,23 @@ class _Stop:
 
 
 def of_result(result: StoredResult) -> Sheet:
-    """Return the sheet of a stored result, with the verdict of the summary beside the file."""
+    """Return the sheet of a stored result, which knows neither map nor true values."""
     stop = _Stop(result.values, result.valid, "on the ramp", result.ramp_pads)
-    note = f"Result {result.name}, digest {result.digest[:16]}."
-    verdict = [result.verdict] if result.verdict else []
-    return _sheet("stop", result.name, stop, note, verdict)
+    return _sheet("stop", result.name, stop, result.note, result.verdict)
 
 
 def of_estimate(estimate: Estimate) -> Sheet:
     """Return the sheet of an estimate, which has no verdict."""
-    stop = _of_estimate(estimate, None)
-    return _sheet("stop", estimate.run.log.name, stop, "", [], estimate.table)
+    stop, name = _of_estimate(estimate, None), estimate.run.log.name
+    return _sheet("stop", name, stop, "", [], estimate.table)
 
 
 def of_validation(result: Validation, name: str = "", vehicle: Vehicle | None = None) -> Sheet:
-    """Return the sheet of the ``result`` of a table ``name``.
-
-    It compares with the pads of ``vehicle``; with None, with those of the ramp.
-    """
+    """Return the sheet of a stop of a table ``name``, beside the pads of ``vehicle`` or ramp."""
     stop, table = _of_estimate(result.estimate, vehicle), result.estimate.table
-    note = f"Table {name or table.name}, digest {table.digest[:16]}."
-    if warned := dict.fromkeys(warning.title for warning in result.all_warnings):
-        note += f" Warnings, which brake-cal validate explains: {', '.join(warned)}."
-    verdict = [word(result), *broken(result)]
-    if (error := errors(result)).values:
-        verdict.append(f"error front / rear {error.of_axles} against {AGAINST[error.against]}")
+    titles = warned(warning.title for warning in result.all_warnings)
+    note = f"Table {name or table.name}, digest {table.digest[:16]}.{titles}"
+    verdict = [word(result), *broken(result.judgements), *errors(result).in_words]
     kind = "stop" if stop.truth is None else "simulation"
     return _sheet(kind, result.log, stop, note, verdict, table)
 
@@ -163,7 +150,7 @@ def stops_on_map(results: Sequence[Validation]) -> Picture:
 
 
 def _of_estimate(e: Estimate, vehicle: Vehicle | None) -> _Stop:
-    """Return an estimate as a stop to draw, with the pads of ``vehicle`` or of the ramp."""
+    """Return an estimate as a stop, with the pads of ``vehicle``, or of the ramp for None."""
     ramp = e.table.calibration
     source, pads = "on the ramp", (ramp.pad_friction_f.value, ramp.pad_friction_r.value)
     if vehicle is not None:
@@ -182,17 +169,16 @@ def _sheet(
 ) -> Sheet:
     """Return the sheet of a stop, with the map of the ``table``.
 
-    The first text of ``verdict`` goes into the title, the others below. Torque and pads have most
-    room, since they are what the ECU answers.
+    The first text of ``verdict`` goes into the title, the others below.
     """
     panels = [_torque_panel(stop), _pad_panel(stop), _force_panel(stop), _slip_panel(stop)]
     rows = [(panel.name,) * 2 for panel in panels]
     if table is not None:
         panels.append(map_panels(table, {name: stop.on_map})[0])
         rows[2:] = ("normalised-forces", "map"), ("slip", "map")
-    times = [(time, why) for why, (_, time) in stop.refused.items() if time >= _LEAST]
-    lost = [f"{time:.1f}{NBSP}s {why}" for time, why in times]
-    grey = f" Grey, no valid answer: {', '.join(lost)}." if lost else ""
+    times = [(time, reason) for reason, (_, time) in stop.refused.items() if time >= _SHORTEST]
+    refused = ", ".join(f"{time:.1f}{NBSP}s {reason}" for time, reason in times)
+    grey = f" Grey, no valid answer: {refused}." if refused else ""
     answer = in_words(means(stop.columns, stop.valid)) or "no valid answer"
     return Sheet(
         kind=kind,
@@ -207,36 +193,31 @@ def _sheet(
 
 
 def _panel(
-    stop: _Stop,
-    name: str,
-    title: str,
-    y: str,
-    lines: Sequence[Line],
-    shown: Iterable[Array],
-    named: bool = False,
+    stop: _Stop, labels: Sequence[str], lines: Sequence[Line], shown: Iterable[Array] = ()
 ) -> Panel:
     """Return a panel over time, as high as the values ``shown``, (n,) each.
 
-    Samples without a valid answer are grey; the legend has the reasons if ``named``.
+    ``labels`` are name, title and y axis. Samples without a valid answer are grey; the legend of
+    the torques has the reasons.
     """
-    marks = list[Mark]()
-    for i, (why, (mask, duration)) in enumerate(stop.refused.items()):
+    (name, title, y), marks = labels, list[Mark]()
+    for i, (reason, (mask, duration)) in enumerate(stop.refused.items()):
         look: Stroke = {"color": _GREYS[min(i, len(_GREYS) - 1)]}
-        label = f"not valid: {why}" if named and duration >= _LEAST else ""
+        is_named = name == "axle-torques" and duration >= _SHORTEST
+        label = f"not valid: {reason}" if is_named else ""
         for start, end in true_intervals(mask):
             last = stop.time[min(end, stop.time.size - 1)]
             marks.append(Mark(stop.time[start], last, look, label))
             label = ""  # the legend names a reason once
     drawn = stop.time[stop.drawn]
-    ends = style.reach(*(np.asarray(x)[stop.drawn] for x in shown), zero=name != "pads")
+    ends = style.axis_ends(*(np.asarray(x)[stop.drawn] for x in shown), with_zero=name != "pads")
     return Panel(name, title, "time [s]", y, lines, marks,
                  xlim=(drawn[0], drawn[-1]), ylim=ends, columns=2)  # fmt: skip
 
 
 def _torque_panel(stop: _Stop) -> Panel:
     """Return the panel of the ECU's torques, with those of the pads before the stop and truth."""
-    lines, beside = list[Line](), list[Line]()
-    answers = torques(stop.columns)
+    lines, answers = list[Line](), torques(stop.columns)
     for side, look, torque in zip(SIDES, (style.FRONT, style.REAR, _TOTAL), answers, strict=True):
         ends = (np.where(stop.valid, end / 1e3, np.nan) for end in torque[1:])
         low, high = (style.smooth(stop.time, end) for end in ends)
@@ -244,19 +225,16 @@ def _torque_panel(stop: _Stop) -> Panel:
         lines.append(Line(stop.time, torque.value / 1e3, look, label, (low, high), style.MEAN))
     for (axle, look), torque, pad in zip(_STROKES.items(), answers, stop.pads, strict=False):
         per_friction = torque.value / np.asarray(stop.columns[f"ecu_pad_friction_{axle}"])
-        label = f"{AXLE_NAMES[axle]} pads {stop.source}"
-        look_before = {**_BEFORE, "color": look["color"]}
         mean = style.smooth(stop.time, pad * per_friction / 1e3)
-        beside.append(Line(stop.time, mean, look_before, label))
+        label = f"{AXLE_NAMES[axle]} pads {stop.source}"
+        lines.append(Line(stop.time, mean, {**_BEFORE, "color": look["color"]}, label))
     if stop.truth:
         front, rear = 2.0 * stop.truth.torque / 1e3
         true = zip((front, rear, front + rear), ("truth", "", ""), strict=True)
-        beside += [Line(stop.time, y, style.TRUTH, label) for y, label in true]
-    drawn = [*lines, *beside]
-    bounds = [np.asarray(x) for line in drawn for x in (line.y, *(line.band or ()))]
-    torque_unit = "brake torque [kN m]"
-    return _panel(stop, "axle-torques", "Brake torque of the axles and of both", torque_unit,
-                  drawn, bounds, named=True)  # fmt: skip
+        lines += [Line(stop.time, y, style.TRUTH, label) for y, label in true]
+    shown = [np.asarray(x) for line in lines for x in (line.y, *(line.band or ()))]
+    title = "Brake torque of the axles and of both"
+    return _panel(stop, ("axle-torques", title, "brake torque [kN m]"), lines, shown)
 
 
 def _pad_panel(stop: _Stop) -> Panel:
@@ -264,10 +242,8 @@ def _pad_panel(stop: _Stop) -> Panel:
     lines, beside, shown = list[Line](), list[Line](), list[Array]()
     for axle, look in _STROKES.items():
         pad, low, high = (stop.where_valid(f"ecu_pad_friction_{axle}{end}") for end in ENDS)
-        thick = {**look, "linewidth": 1.8}
-        lines.append(
-            Line(stop.time, pad, thick, f"{AXLE_NAMES[axle]}, with 95 % band", (low, high))
-        )
+        thick, label = {**look, "linewidth": 1.8}, f"{AXLE_NAMES[axle]}, with 95 % band"
+        lines.append(Line(stop.time, pad, thick, label, (low, high)))
         shown += [low, high]
         best = stop.where_valid(f"pad_friction_{axle}")
         if not np.array_equal(best, pad, equal_nan=True):
@@ -275,15 +251,15 @@ def _pad_panel(stop: _Stop) -> Panel:
             beside.append(Line(stop.time, best, thin, f"{AXLE_NAMES[axle]}, best estimate"))
     for (axle, look), mu in zip(_STROKES.items(), stop.pads, strict=False):
         label = f"{AXLE_NAMES[axle]} {stop.source}, {mu:.3f}"
-        look_before = {**_BEFORE, "color": look["color"]}
-        beside.append(Line(stop.time[[0, -1]], [mu, mu], look_before, label))
+        thin = {**_BEFORE, "color": look["color"]}
+        beside.append(Line(stop.time[[0, -1]], [mu, mu], thin, label))
         shown.append(np.full(stop.time.size, mu))
-    if stop.truth:
-        true = [style.smooth(stop.time, mu) for mu in stop.truth.pad_friction]
-        labels = zip(true, ("truth", ""), strict=True)
-        beside += [Line(stop.time, mu, style.TRUTH, label) for mu, label in labels]
-        shown += true
-    return _panel(stop, "pads", "Pad friction", "pad friction [1]", [*lines, *beside], shown)
+    for i, mu in enumerate(stop.truth.pad_friction if stop.truth else ()):
+        true = style.smooth(stop.time, mu)
+        beside.append(Line(stop.time, true, style.TRUTH, "" if i else "truth"))
+        shown.append(true)
+    labels = "pads", "Pad friction", "pad friction [1]"
+    return _panel(stop, labels, [*lines, *beside], shown)
 
 
 def _force_panel(stop: _Stop) -> Panel:
@@ -294,15 +270,14 @@ def _force_panel(stop: _Stop) -> Panel:
         Line(stop.time, stop.columns[key], look, name, mean=style.MEAN)
         for (key, look), name in zip(strokes.items(), names, strict=True)
     ]
-    shown = [line.shown for line in lines]
-    return _panel(stop, "normalised-forces", "Force over load, best estimate",
-                  "force over load [1]", lines, shown)  # fmt: skip
+    labels = "normalised-forces", "Force over load, best estimate", "force over load [1]"
+    return _panel(stop, labels, lines, [line.shown for line in lines])
 
 
 def _slip_panel(stop: _Stop) -> Panel:
     """Return the panel of eta - 1, and of the slip of the axles where v is known.
 
-    It is as high as the valid values, without the outermost 0.5 %.
+    Its y axis shows the valid values, but the outermost 0.5 %.
     """
     slips = zip(AXLE_NAMES.values(), stop.slips or (), _STROKES.values(), strict=False)
     shown = [(f"{axle} slip", slip, look) for axle, slip, look in slips]
@@ -310,7 +285,7 @@ def _slip_panel(stop: _Stop) -> Panel:
     lines = [
         Line(stop.time, 100.0 * values, look, name, mean=_SLIP_MEAN) for name, values, look in shown
     ]
-    use = stop.valid if stop.valid.any() else stop.drawn
-    noise = [np.quantile(np.asarray(line.y)[use], [0.005, 0.995]) for line in lines]
-    panel = _panel(stop, "slip", "Slip", f"slip, {style.ETA}", lines, [])
-    return replace(panel, ylim=style.reach(np.zeros(1), *noise))
+    samples = stop.valid if stop.valid.any() else stop.drawn
+    ends = [np.quantile(np.asarray(line.y)[samples], [0.005, 0.995]) for line in lines]
+    panel = _panel(stop, ("slip", "Slip", f"slip, {style.ETA}"), lines)
+    return replace(panel, ylim=style.axis_ends(np.zeros(1), *ends))

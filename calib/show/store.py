@@ -1,7 +1,7 @@
 """Facts and JSON documents of the tables of a store.
 
-They tell the list of tables, one table, its history, its damage, a mean of several cars, and how
-two tables, or a table and a file, differ.
+In this order: the list, one table, its history, its damage, a mean of several cars, the differences
+of two tables, and of a table and a file.
 """
 
 from collections.abc import Sequence
@@ -11,13 +11,8 @@ from calib.base.intervals import Z95
 from calib.base.plain import NBSP, counted, metric_of
 from calib.show.facts import FAILED, PASSED, WARNING, Facts, Row, Table
 from calib.show.judged import budget_rows, ramp_rows
-from calib.store.figures import (
-    ListedVersion,
-    effect_figures,
-    mean_figures,
-    usability,
-    verdict,
-)
+from calib.show.numbers import spaced
+from calib.store.figures import ListedVersion, effect_figures, mean_figures, usability, verdict
 from calib.store.signature import signer
 from calib.store.snapshot import StoreEntry
 from calib.store.version import Stored
@@ -37,7 +32,6 @@ def listed(rows: Sequence[ListedVersion]) -> Facts:
 
 
 def _listed(row: ListedVersion) -> Sequence[str]:
-    """Return the row of a version in the list."""
     cells = (row["id"], row["state"], row["date"][:10])
     if row["flaw"]:
         return *cells, *[""] * 6
@@ -55,8 +49,7 @@ def _listed(row: ListedVersion) -> Sequence[str]:
 
 def table_facts(stored: Stored) -> Facts:
     """Return the facts of a table: its torques, whether it may be used, and its record."""
-    table, use = stored.table, usability(stored)
-    budgets = table.budget.axles
+    table, use, budgets = stored.table, usability(stored), stored.table.budget.axles
     logs = ", ".join(log.name for log in table.provenance.logs)
     parents = ", ".join(parent.id for parent in table.provenance.parents)
     return Facts(
@@ -76,7 +69,6 @@ def table_facts(stored: Stored) -> Facts:
 
 
 def _made_of(stored: Stored) -> Facts:
-    """Return the record of a table, without its curves."""
     table, car, key = stored.table, stored.table.vehicle, signer(stored)
     scale = table.calibration.pad_scale
     rows: list[Row] = [
@@ -86,12 +78,10 @@ def _made_of(stored: Stored) -> Facts:
         ("vehicle", f"{car.name}, {car.mass:g} kg"),
         *table.provenance.identity.items(),
         *(("parent", f"{p.id} ({p.digest[:12]})") for p in table.provenance.parents),
-        *(
-            (f"spread of {one.name}", f"± {100.0 * Z95 * one.between:.2f} % of the cars (95 %)")
-            for one in mean_figures(table)
-        ),
+        *((f"spread of {x.name}", f"± {100.0 * Z95 * x.between:.2f} % of the cars (95 %)")
+          for x in mean_figures(table)),
         *((log.role, f"{log.name} ({log.digest[:12]})") for log in table.provenance.logs),
-        *((one.effect.replace("_", " "), str(one)) for one in effect_figures(table)),
+        *((spaced(value.effect), str(value)) for value in effect_figures(table)),
         ("pad scale", "{:.4g} (95 %: {:.4g} to {:.4g})".format(scale.value, *scale.ci95)),
         *budget_rows(table.budget.axles),
         ("largest D", "eta {:.5f}, D {:.4f}".format(*table.difference.peak)),
@@ -144,10 +134,8 @@ def merged(stored: Stored) -> Facts:
     """Return the facts of a mean of several cars, with the spread between the cars."""
     cells = []
     for figure in mean_figures(stored.table):
-        half, between = (
-            f"{100.0 * share:.2f}{NBSP}%" for share in (figure.half_width, Z95 * figure.between)
-        )
-        # zero: the cars differ by no more than their noise
+        shares = figure.half_width, Z95 * figure.between
+        half, between = (f"{100.0 * share:.2f}{NBSP}%" for share in shares)
         spread = between if figure.between > 0.0 else "less than noise"
         cells.append((figure.name, f"{figure.value:.4g}", f"±{NBSP}{half}", spread))
     return Facts(
@@ -195,7 +183,7 @@ def compared(difference: "Difference", first: Stored, second: Stored) -> Facts:
         for gap in difference.curves
     ]  # fmt: skip
     values = [(v.name, f"{v.a:.4f}", f"{v.b:.4f}", f"{v.in_bands:.2f}") for v in difference.values]
-    changed = [f"{len(keys)} of {section}" for section, keys in difference.changes.items()]
+    changed = ", ".join(f"{len(keys)} of {part}" for part, keys in difference.changes.items())
     heads = ("value", first.id, second.id, "in 95 % bands")
     return Facts(
         headline=headline,
@@ -203,7 +191,7 @@ def compared(difference: "Difference", first: Stored, second: Stored) -> Facts:
         parts=[Facts("Values", tables=[Table(heads, values)])],
         notes=[
             *(f"{curve}: no common axis" for curve in difference.apart),
-            *([f"different: {', '.join(changed)}; --json prints them"] if changed else []),
+            *([f"different: {changed}; --json prints them"] if changed else []),
         ],
     )
 
@@ -217,12 +205,8 @@ def returned_document(
         "format": file.format,
         "facts": file.facts,
         "axes": file.content.axes,
-        "curves": {
-            name: {"x": axes[0], "y": y} for name, (axes, y) in grids.items() if len(axes) == 1
-        },
-        "maps": {
-            name: {"axes": axes, "y": y} for name, (axes, y) in grids.items() if len(axes) > 1
-        },
+        "curves": {k: {"x": axes[0], "y": y} for k, (axes, y) in grids.items() if len(axes) == 1},
+        "maps": {k: {"axes": axes, "y": y} for k, (axes, y) in grids.items() if len(axes) > 1},
         "scalars": file.content.scalars,
         "units": file.units,
         "in_store": stored is not None,
@@ -244,8 +228,9 @@ def returned(file: "Returned", stored: Stored | None, difference: "FromFile") ->
         headline = f"unchanged since it was written; {file.table} is not in this store"
     else:
         how = f"as rounded {difference.rounded}" if difference.rounded else "to the last bit"
-        part = f", without {counted(len(difference.missing), 'label')}" * bool(difference.missing)
-        headline = f"agrees with {stored.id} {how}{part}"
+        headline = f"agrees with {stored.id} {how}"
+        if difference.missing:
+            headline += f", without {counted(len(difference.missing), 'label')}"
     return Facts(
         headline=headline,
         verdict=FAILED if difference.wrong else PASSED,

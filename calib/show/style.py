@@ -24,7 +24,7 @@ else:
     Axes = Figure = "of matplotlib, which is imported when something is drawn"
 
 Stroke = dict[str, Any]
-"""Look of a line: colour, width, dashes and marker, as matplotlib names them."""
+"""Look of a line: colour, width, dashes and marker by their names in matplotlib."""
 
 WIDTH, HEIGHT = 8.27, 11.69
 """Width of a page [in], and its largest height: A4."""
@@ -47,29 +47,29 @@ WHEEL_STROKES: dict[str, Stroke] = {
 
 
 def dots(stroke: Stroke, size: float, marker: str = "o", **more: Any) -> Stroke:
-    """Return the look of points in the colour of ``stroke``, of a ``size`` [pt], without a line."""
+    """Return the look of unconnected points of a ``size`` [pt] in the colour of ``stroke``."""
     return {"color": stroke["color"], "marker": marker, "linestyle": "", "ms": size, **more}
 
 
 def pale(colour: str) -> str:
-    """Return the colour of the 95 % band of a line of a ``colour`` #RRGGBB.
+    """Return the colour #RRGGBB of the band of a line of a ``colour``: mixed with white.
 
-    The band is opaque, since transparent bands that overlap look grey.
+    A band is opaque, since transparent bands that overlap look grey.
     """
     red_green_blue = (int(colour[i : i + 2], 16) for i in (1, 3, 5))
     return "#" + "".join(f"{255 - round(_BAND * (255 - part)):02X}" for part in red_green_blue)
 
 
 _BAND = 0.25
-"""Share of the colour of a line in the colour of its band; the rest is white."""
+"""Share of the line's colour in its band [1]."""
 SHADE = "#E9E9E9"
-"""Colour of a part of an axis that is set apart."""
+"""Colour of a range on an axis."""
 ETA = "\u03b7 - 1 [%]"
-"""Label of an axis of eta, the wheel speed of the rear axle over that of the front axle."""
+"""Label of an axis; eta is the wheel speed of the rear axle over that of the front axle (22)."""
 LINE_WIDTH = 1.3
-"""Width of a line whose look names none [pt]."""
+"""Usual width of a line [pt]."""
 MEAN = 0.1
-"""Window of the mean that is drawn over a noisy line [s]."""
+"""Window of the mean of a noisy line [s]."""
 
 _RC: dict[str, Any] = {
     "font.family": "DejaVu Sans",  # part of matplotlib: the same on every machine
@@ -109,7 +109,7 @@ _RC: dict[str, Any] = {
 
 @contextmanager
 def styled(outlines: bool = True) -> Iterator[None]:
-    """Draw and save within this context; the user's settings for other figures stay.
+    """Apply the style within a context, in which figures are drawn and saved.
 
     Letters of an SVG are ``outlines``, which look the same on every machine, or else text.
     """
@@ -123,10 +123,7 @@ def styled(outlines: bool = True) -> Iterator[None]:
 
 
 def smooth(time: Array, values: Array, window: float = MEAN) -> Array:
-    """Return the centred mean (n,) of ``values`` over a ``window`` [s]; NaN counts nowhere.
-
-    A sample that is NaN stays NaN.
-    """
+    """Return the centred mean (n,) of finite ``values`` over a ``window`` [s]; NaN stays NaN."""
     width = samples_in(window, step_of(time)) | 1
     is_finite = np.isfinite(values)
     weight = centred_mean(is_finite.astype(float), width)
@@ -134,26 +131,28 @@ def smooth(time: Array, values: Array, window: float = MEAN) -> Array:
     return np.where(is_finite, total / np.where(is_finite, weight, 1.0), np.nan)
 
 
-def reach(*values: Array, zero: bool = False, margin: float = 0.12) -> tuple[float, float] | None:
-    """Return the ends of an axis that shows all finite ``values``, and 0 if ``zero``.
+def axis_ends(
+    *values: Array, with_zero: bool = False, margin: float = 0.12
+) -> tuple[float, float] | None:
+    """Return the ends of an axis that shows all finite ``values``; None without a finite value.
 
-    There is a ``margin`` at both ends, over the length of the axis [1], but none below an end at 0
-    that ``zero`` asks for. None without a finite value.
+    ``margin`` at both ends is over the range of the values [1]. An axis ``with_zero`` shows 0, too,
+    and has no margin below 0.
     """
-    numbers = np.concatenate([v[np.isfinite(v)] for v in values] or [np.empty(0)])
-    if numbers.size == 0:
+    finite = np.concatenate([np.empty(0), *(v[np.isfinite(v)] for v in values)])
+    if finite.size == 0:
         return None
-    low, high = float(numbers.min()), float(numbers.max())
-    if zero:
+    low, high = float(finite.min()), float(finite.max())
+    if with_zero:
         low, high = min(low, 0.0), max(high, 0.0)
     room = margin * (high - low) or 0.1 * abs(high) or 1.0
-    return (low if zero and low == 0.0 else low - room), high + room
+    return (low if with_zero and low == 0.0 else low - room), high + room
 
 
 def envelope(y: Array, parts: int) -> Index:
-    """Return the indices of the points of ``y`` (n,) that are drawn.
+    """Return the indices of the lowest and the highest point of ``y`` (n,) in each of ``parts``.
 
-    They are the lowest and the highest of each of so many ``parts``; all points of a short line.
+    These points look like the line. A short line keeps all its points.
     """
     if y.size <= 4 * parts:
         return np.arange(y.size)
@@ -168,10 +167,10 @@ def envelope(y: Array, parts: int) -> Index:
 
 
 def names_below(names: Sequence[str]) -> list[str]:
-    """Return the names in short lines, which fit below the axis of a small panel; [] if many."""
-    if len(names) > _NAMED:
+    """Return the names in short lines that fit below the axis of a small panel; [] if many."""
+    if not 0 < len(names) <= _NAMED:
         return []
-    letters = _LETTERS // len(names) - 1 if names else 0
+    letters = _LETTERS // len(names) - 1
     return [textwrap.fill(as_text(name), letters) for name in names]
 
 

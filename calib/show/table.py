@@ -1,7 +1,4 @@
-"""A table as a picture: f1 and f2 (Fig. 6), the map of the pads, the tyre (Fig. 3), the posterior.
-
-Where the ramps that the table was made of are given, their measured points are drawn, too.
-"""
+"""A table as a picture: f1 and f2 (Fig. 6), map of the pads, tyre (Fig. 3), and posterior."""
 
 import numpy as np
 
@@ -18,19 +15,17 @@ from calib.table.curves import MEASURED
 from calib.table.table import Table
 
 _Ramps = tuple[MeasuredRamp, ...]
-_FREED = "ramps, drag taken out"
-"""Label of the measured points beside a curve over eta."""
+_MEASURED_POINTS = "ramps, drag taken out"
 
 
 def table_sheet(table: Table, name: str, ramps: _Ramps = ()) -> Sheet:
-    """Return the sheet of a table of the id ``name``, with the measured points of ``ramps``."""
+    """Return the sheet of a table of the id ``name``, with the measured points of its ``ramps``."""
     (front, rear), pads = per_bar(table), " and ".join(ramp_pads(table))
     return Sheet(
         kind="table",
         name=name,
         panels=(
-            *(_curves(table, ramps), _tyre(table), *map_panels(table)),
-            *(forest(table), pairs(table)),
+            _curves(table, ramps), _tyre(table), *map_panels(table), forest(table), pairs(table)
         ),
         rows=(("f1-f2", "f1-f2"), ("map", "map-band"), ("tyre", "posterior")),
         heights=(1.4, 1.4, 1.2),
@@ -38,17 +33,16 @@ def table_sheet(table: Table, name: str, ramps: _Ramps = ()) -> Sheet:
         note=_note(table, bool(ramps)),
         result=f"Brake torque front {front}, rear {rear} {UNIT} per bar, pads {pads} (95 %); "
         f"curves valid up to {table.paper.usable[1]:.2f} g",
-    )
+    )  # fmt: skip
 
 
 def _note(table: Table, has_points: bool) -> str:
     """Return what the table was made of, and how to read the picture."""
     origin = table.provenance
-    sources = [log.name for log in origin.logs]
-    if table.spread:
-        sources = [parent.id for parent in origin.parents]
-    note = f"Digest {table.digest[:16]}, made of {', '.join(sources)} with {origin.program}. Bands "
-    note += "are 95 %. Dashed: no ramp measured it. Grey: beyond the usable range."
+    parents, logs = [x.id for x in origin.parents], [x.name for x in origin.logs]
+    sources = ", ".join(parents if table.spread else logs)
+    note = f"Digest {table.digest[:16]}, made of {sources} with {origin.program}. Bands are 95 %. "
+    note += "Dashed: no ramp measured it. Grey: beyond the usable range."
     if has_points:
         note += " Rings and triangles: the ramps without drag, as the table is; means over 0.25 s."
     return note
@@ -80,7 +74,7 @@ def _tyre(table: Table) -> Panel:
 
 
 def _curves(table: Table, ramps: _Ramps) -> Panel:
-    """Return the panel of Fig. 6, with the measured points; a line marks the usable range."""
+    """Return the panel of Fig. 6, with the measured points; a line ends the usable range."""
     p = table.paper
     x, two_axles = 100.0 * (p.eta - 1.0), [ramp for ramp in ramps if ramp.is_two_axles]
     lines = [
@@ -89,7 +83,7 @@ def _curves(table: Table, ramps: _Ramps) -> Panel:
     ]
     for i, ramp in enumerate(two_axles):
         eta_percent = 100.0 * (ramp.eta - 1.0)
-        lines.append(points(ramp, eta_percent, ramp.f1, style.FRONT, "" if i else _FREED))
+        lines.append(points(ramp, eta_percent, ramp.f1, style.FRONT, "" if i else _MEASURED_POINTS))
         lines.append(points(ramp, eta_percent, ramp.f2, style.REAR))
     ends = x[0] - 0.02 * (x[-1] - x[0]), x[-1] + 0.08 * (x[-1] - x[0])
     end = 100.0 * (p.usable_eta[1] - 1.0)

@@ -1,4 +1,4 @@
-"""Facts as lines and grids of a terminal, which rich draws; rich is imported with this file."""
+"""Facts as lines and grids of a terminal, which rich draws."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
@@ -11,20 +11,19 @@ from rich.text import Text
 
 from calib.base.errors import printable
 from calib.show.facts import FAILED, PASSED, UNJUDGED, WARNING, Facts, Row, Table
-from calib.show.numbers import whole
+from calib.show.numbers import unbroken
 
 _NARROWEST = 20
 """Smallest width of a text beside its name [letters]."""
 _STYLES = {FAILED: "red", WARNING: "yellow", PASSED: "green", UNJUDGED: "dim", "": ""}
-"""Style of each verdict."""
 
 
 def drawn(facts: Facts, *, quiet: bool = False, details: bool = False) -> Iterator[RenderableType]:
-    """Yield texts and grids in the order in which they are printed.
+    """Yield texts and grids in their order in print.
 
-    The parts are ``details``, printed before the answer so that it stands at the end; they are the
-    answer of facts that have nothing else. Of a result that has a verdict, ``quiet`` prints that
-    line alone. A plain string is a command to copy, and is never cut into lines.
+    The parts are ``details``, printed before the answer, or the answer of facts that have nothing
+    else. If there is a verdict, ``quiet`` prints its line alone. A plain string is a command to
+    copy, and is never cut into lines.
     """
     facts = _texts(facts)
     has_answer = replace(facts, parts=()).filled
@@ -60,7 +59,7 @@ class _Paragraph:
     """A text in lines, in which a number and its unit stay on one line."""
 
     def __init__(self, text: str, style: str = "") -> None:
-        self.text, self.style = whole(printable(text)), style
+        self.text, self.style = unbroken(printable(text)), style
 
     def __rich_console__(self, _: Console, options: ConsoleOptions) -> RenderResult:
         lines = [self.text] if options.no_wrap else wrap(self.text, options.max_width)
@@ -71,7 +70,7 @@ class _Terms:
     """Names and their texts side by side."""
 
     def __init__(self, rows: Sequence[Row]) -> None:
-        self.rows = [(printable(name), whole(printable(text))) for name, text in rows]
+        self.rows = [(printable(name), unbroken(printable(text))) for name, text in rows]
         self.indent = max(len(name) for name, _ in rows) + 2
 
     def __rich_console__(self, _: Console, options: ConsoleOptions) -> RenderResult:
@@ -90,12 +89,12 @@ def _longest_word(texts: Iterable[str]) -> int:
 class _Grid:
     """A table as a grid, or as a block of lines for each row where the grid is too wide.
 
-    ``least`` is the smallest width of each column: of its longest word or number.
+    ``least`` is the width of the longest word or number of each column.
     """
 
     def __init__(self, table: Table) -> None:
-        rows = [[whole(cell) for cell in row] for row in table.rows]
-        self.table = replace(table, heads=[whole(head) for head in table.heads], rows=rows)
+        rows = [[unbroken(cell) for cell in row] for row in table.rows]
+        self.table = replace(table, heads=[unbroken(head) for head in table.heads], rows=rows)
         self.least = [
             max(_longest_word([head]), max(map(len, cells)) if numeric else _longest_word(cells))
             for head, numeric, *cells in zip(self.table.heads, table.numeric, *rows, strict=True)
@@ -110,15 +109,15 @@ class _Grid:
 
     def _grid(self) -> Grid:
         grid = Grid(box=None, header_style="bold", pad_edge=False)
-        heads, rows = self.table.heads, self.table.rows
-        columns = zip(heads, self.table.numeric, self.least, *rows, strict=True)
+        table = self.table
+        columns = zip(table.heads, table.numeric, self.least, *table.rows, strict=True)
         for head, numeric, least, *cells in columns:
             # rich narrows other columns first
             no_wrap = numeric or max(map(len, (head, *cells))) <= least
             justify: JustifyMethod = "right" if numeric else "left"
             title = "\n".join(wrap(head, least)) if numeric else head
             grid.add_column(title, justify=justify, no_wrap=no_wrap, min_width=least)
-        for i, row in enumerate(rows):
+        for i, row in enumerate(table.rows):
             grid.add_row(*row, style=self._style(i))
         return grid
 

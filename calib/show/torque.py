@@ -17,7 +17,7 @@ from calib.table.table import Table
 Columns = Mapping[str, Any]
 """Columns of an estimate by their names, (n,) each, as `calib.estimation.estimator` has them."""
 SIDES = (*AXLE_NAMES.values(), "total")
-"""Parts of a car that have a torque: the front axle, the rear axle, both together."""
+"""Parts of a car whose torque is told: the axles, and both together."""
 NOT_KNOWN = "not known"
 UNIT = f"N{NBSP}m"
 HEADS = tuple(f"{side} [{UNIT}]" for side in SIDES)
@@ -32,7 +32,7 @@ ENDS = ("", "_lower", "_upper")
 def torques(columns: Columns, prefix: str = "ecu_") -> list[Bounded]:
     """Return the torques of the `SIDES` [N m] (n,) with their bounds.
 
-    ``prefix`` begins the names of the columns: "ecu_" of the ECU, "" of the best estimate.
+    The ``prefix`` of the columns is "ecu_" for the ECU, "" for the best estimate.
     """
     return [
         Bounded(*(wheels * columns[f"{prefix}brake_torque_{part}{end}"] for end in ENDS))
@@ -41,7 +41,7 @@ def torques(columns: Columns, prefix: str = "ecu_") -> list[Bounded]:
 
 
 def valid_samples(result: Validation) -> Mask:
-    """Return the samples (n,) in which the ECU is valid; none of a run that does not count."""
+    """Return the samples (n,) in which the ECU is valid; none if the run does not count."""
     return result.estimate.ecu.valid & (not result.estimate.unfit)
 
 
@@ -51,12 +51,11 @@ def means(columns: Columns, valid: Mask, prefix: str = "ecu_") -> list[str]:
 
 
 def ecu_means(result: Validation) -> list[str]:
-    """Return the mean torques of the ECU in a stop."""
+    """Return `means` of the ECU in a stop."""
     return means(result.estimate.columns(), valid_samples(result))
 
 
 def _mean(value: Array, lower: Array, upper: Array) -> str:
-    """Return the mean of a torque [N m] (n,) and of the half width of its interval."""
     if not np.sum(value) > 0.0:
         return NOT_KNOWN
     half_width = 0.5 * float(np.mean(upper - lower))
@@ -64,7 +63,7 @@ def _mean(value: Array, lower: Array, upper: Array) -> str:
 
 
 def in_words(texts: list[str]) -> str:
-    """Return the torques of the `SIDES` in one phrase; "" where one is not known."""
+    """Return the ``texts`` of the `SIDES` in one phrase; "" where a torque is not known."""
     if NOT_KNOWN in texts:
         return ""
     named = ", ".join(f"{side} {text}" for side, text in zip(SIDES, texts, strict=True))
@@ -82,7 +81,7 @@ def per_bar(table: Table) -> list[str]:
 
 
 class _TorqueErrors(NamedTuple):
-    """Relative rms errors of the torques of the `SIDES` [1]; () where they are not known.
+    """Relative rms errors of the torques of the `SIDES` [1], () if not known.
 
     ``against``, a key of `AGAINST`, says what the torques are compared with.
     """
@@ -92,13 +91,18 @@ class _TorqueErrors(NamedTuple):
 
     @property
     def texts(self) -> list[str]:
-        """The errors of the `SIDES` as texts."""
         return [f"{100.0 * x:.1f}{NBSP}%" for x in self.values]
 
     @property
     def of_axles(self) -> str:
-        """The errors of both axles as one text; a total can be right where its split is wrong."""
+        """Errors of both axles as one text; a total can be right where its split is wrong."""
         return " / ".join(self.texts[:2]) or NOT_KNOWN
+
+    @property
+    def in_words(self) -> list[str]:
+        """The errors of both axles in a phrase; [] if not known."""
+        phrase = f"error front / rear {self.of_axles} against {AGAINST[self.against]}"
+        return [phrase] if self.values else []
 
 
 _ERRORS = ("ecu_torque_error_f", "ecu_torque_error_r", "ecu_level_error")
@@ -106,19 +110,28 @@ _ERRORS = ("ecu_torque_error_f", "ecu_torque_error_r", "ecu_level_error")
 
 
 def errors(result: Validation) -> _TorqueErrors:
-    """Return the errors of the ECU's torques in a stop.
+    """Return the errors of the ECU's torques in a stop."""
+    estimate = result.estimate
+    compared = valid_samples(result) & estimate.valid & (estimate.blocks.v is not None)
+    return errors_in(result.figures, estimate.columns(), compared)
 
-    They are against the truth where the log has it, or else against the estimate with v.
+
+def errors_in(
+    figures: Mapping[str, float | None], columns: Columns, compared: Mask
+) -> _TorqueErrors:
+    """Return the errors of the ECU's torques, against the truth where the ``figures`` have them.
+
+    Elsewhere they are against the estimate with v, over the ``compared`` samples (n,) in which the
+    ECU and that estimate are valid.
     """
-    against_truth = tuple(x for x in map(result.figures.get, _ERRORS) if x is not None)
+    against_truth = tuple(x for x in map(figures.get, _ERRORS) if x is not None)
     if len(against_truth) == len(SIDES):
         return _TorqueErrors(TRUTH, against_truth)
-    valid = valid_samples(result) & result.estimate.valid
-    if result.estimate.blocks.v is None or not valid.any():
+    if not compared.any():
         return _TorqueErrors(NONE)
-    columns, values = result.estimate.columns(), []
+    values = []
     for ecu, best in zip(torques(columns), torques(columns, ""), strict=True):
-        error, reference = (ecu.value - best.value)[valid], best.value[valid]
+        error, reference = (ecu.value - best.value)[compared], best.value[compared]
         values.append(float(np.sqrt(np.sum(error**2) / np.sum(reference**2))))
     return _TorqueErrors(REFERENCE, tuple(values))
 

@@ -40,16 +40,15 @@ _PROOFS = {
 """What the answers of the ECU are checked against, in words."""
 _V_NOT_USED = "nothing: no torques, and v is late, held or beside no sample that is valid"
 """The same for logs whose v cannot be used."""
-_BESIDE = "Means over the valid samples with 95 % intervals; an ECU has no speed v."
-"""Caption of the ECU's answers beside those of the best estimate."""
+_MEANS = "Means over the valid samples with 95 % intervals; an ECU has no speed v."
 
 
 @dataclass(frozen=True)
 class Validated:
     """A stored table, and the ``results`` of judging it on logs.
 
-    ``how`` is the precision in which it was exported; None for the table in full. ``files`` are the
-    other inputs by their roles.
+    ``how`` is the precision of its export; None for the table in full. ``files`` are other inputs
+    by their roles.
     """
 
     stored: Stored
@@ -59,14 +58,14 @@ class Validated:
 
 
 def validation_facts(judged: Validated) -> Facts:
-    """Return the verdict, the torques of each stop, the pictures, the metrics and all warnings."""
+    """Return verdict, torques of each stop, pictures, metrics and warnings, failed stops first."""
     stored, results = judged.stored, judged.results
-    in_order = sorted(results, key=lambda result: result.passed)  # failed ones first
+    in_order = sorted(results, key=lambda result: result.passed)
     logs, (limits, unknown) = [(r.role, r.log, r.digest) for r in results], stop_by_stop(results)
     warnings = [*stored.table.warnings, *(w for result in results for w in result.all_warnings)]
     failed, proof = not all(result.passed for result in results), proof_of(list(results))
     verdict = FAILED if failed else WARNING if warnings else PASSED
-    budgets = [result.budget for result in in_order if result.budget]
+    budgets = [of_axle for result in in_order for of_axle in result.budget or ()]
     details = Facts(
         "The ECU beside the best estimate",
         tables=[beside_best(stored, in_order)],
@@ -75,7 +74,7 @@ def validation_facts(judged: Validated) -> Facts:
             ("mass", str(in_order[0].mass)),
             *_limiting(in_order),
         ],
-        notes=advice_lines((of_axle for budget in budgets for of_axle in budget), STOP),
+        notes=advice_lines(budgets, STOP),
     )
     return Facts(
         title=f"Validation of {stored.id}",
@@ -99,7 +98,7 @@ def _rows(judged: Validated, results: Sequence[Validation], proof: str) -> list[
     """Return the limits that each log breaks, and what the verdict rests on."""
     rows, budgets = list[Row](), [result.budget for result in results if result.budget]
     for result in results:
-        reasons = [NO_HOLDOUT] if result.role == CALIBRATION else broken(result)
+        reasons = [NO_HOLDOUT] if result.role == CALIBRATION else broken(result.judgements)
         rows += [(result.log, reason) for reason in reasons]
     if any(result.role == HOLDOUT for result in results):
         has_unused_v = proof == NONE and any("v" in r.estimate.ran.log for r in results)
@@ -114,7 +113,7 @@ def _rows(judged: Validated, results: Sequence[Validation], proof: str) -> list[
 def _outcome(stored: Stored, results: list[Validation]) -> str:
     """Return on how many stops the table holds, and the largest error of the torques.
 
-    For a single stop also its torques, and how its pads changed since the ramp.
+    A single stop has its torques, too, and the change of its pads since the ramp.
     """
     passed, stops = sum(result.passed for result in results), len(results)
     texts = [f"{stored.id} holds on {passed} of {counted(stops, 'stop')}"]
@@ -126,9 +125,8 @@ def _outcome(stored: Stored, results: list[Validation]) -> str:
         texts.append(f"front / rear within {worst.of_axles} of {torque.AGAINST[worst.against]}")
     change = _change(stored, results[0])
     if stops == passed == 1 and change is not None:
-        percent = round(100.0 * abs(change))
-        how = f"{percent} % {'weaker' if change < 0.0 else 'stronger'} than" if percent else "as"
-        texts.append(f"pads {how} on the ramp")
+        percent, word = round(100.0 * abs(change)), "weaker" if change < 0.0 else "stronger"
+        texts.append(f"pads {f'{percent} % {word} than' if percent else 'as'} on the ramp")
     return "; ".join(filter(None, texts))
 
 
@@ -139,7 +137,7 @@ def _change(stored: Stored, result: Validation) -> float | None:
 
 
 def _next(stored: Stored, results: list[Validation]) -> str:
-    """Return the next step; stops of one road whose pads differ do not prove a table."""
+    """Return the next step. Stops of one road whose pads differ do not prove a table."""
     together = agreement(results)
     if any(result.role == CALIBRATION for result in results):
         return "validate again without the logs of the fit"
@@ -169,11 +167,11 @@ def beside_best(stored: Stored, results: Sequence[Validation]) -> Table:
     rows = [(result.log, *cells) for result in results for cells in _answers(stored, result)]
     pads_of = [f"{axle} pads" for axle in AXLE_NAMES.values()]
     heads = ("stop", "answer", *torque.HEADS, *pads_of, "since ramp", "valid")
-    return Table(heads, rows, _BESIDE)
+    return Table(heads, rows, _MEANS)
 
 
 def _answers(stored: Stored, r: Validation) -> Iterator[Sequence[str]]:
-    """Yield the rows of a stop in the table of `beside_best`, without the name of the stop."""
+    """Yield the rows of a stop in `beside_best`, without the name of the stop."""
     figures, columns, used = r.figures, r.estimate.columns(), torque.valid_samples(r)
     change = _change(stored, r)
     since = UNKNOWN if change is None else signed_percent(change)

@@ -17,8 +17,7 @@ from calib.car.effects.effect import Card
 from calib.car.forces import axle_loads
 from calib.car.plausible import vehicle_warnings
 from calib.car.vehicle import Vehicle
-from calib.show.facts import Facts
-from calib.show.facts import Table as Cells
+from calib.show.facts import Facts, Table
 from calib.show.panel import Line, Panel
 from calib.show.sheet import Sheet
 from calib.show.style import BODY, IDENTIFIED, NOMINAL, Array, Stroke, dots
@@ -26,17 +25,16 @@ from calib.show.style import BODY, IDENTIFIED, NOMINAL, Array, Stroke, dots
 _DECELERATIONS = tuple(k / 10.0 for k in range(1, 9))
 """Lines of constant deceleration [g]."""
 _THIN: Stroke = {"color": NOMINAL["color"], "linewidth": 0.5, "alpha": 0.6}
-_KNM = 1e3
+_KNM = 1e3  # N m
 
 
 def vehicle_facts(vehicle: Vehicle) -> Facts:
     """Return loads and torques of a vehicle with its nominal pads."""
-    consequences = characteristics(vehicle)
-    biased = consequences["front_biased_up_to"]
+    values = characteristics(vehicle)
+    biased = values["front_biased_up_to"]
     always = {None: "front always", 0.0: "rear always"}
-    sides = consequences["front"], consequences["rear"]
     axles = [
-        (name, *(f"{side[key]:.{digits}f}" for side in sides))
+        (name, *(f"{values[side][key]:.{digits}f}" for side in ("front", "rear")))
         for name, key, digits in (
             ("torque per bar, one wheel [N m]", "torque_per_bar_wheel", 2),
             ("torque per bar, axle [N m]", "torque_per_bar_axle", 2),
@@ -52,13 +50,13 @@ def vehicle_facts(vehicle: Vehicle) -> Facts:
     return Facts(
         headline=f"{vehicle.name}, {vehicle.mass:g} kg",
         rows=[
-            ("wheelbase", f"{1e3 * consequences['wheelbase']:.0f} mm"),
-            ("pressure", f"{consequences['pressure_per_g']:.1f} bar per g"),
-            ("brake force", f"{100 * consequences['front_share']:.1f} % front"),
+            ("wheelbase", f"{1e3 * values['wheelbase']:.0f} mm"),
+            ("pressure", f"{values['pressure_per_g']:.1f} bar per g"),
+            ("brake force", f"{100 * values['front_share']:.1f} % front"),
             ("locks first", always.get(biased) or f"front up to {biased:.2f} g, rear above"),
-            ("rear lifts at", f"{consequences['rear_lifts_at']:.2f} g"),
+            ("rear lifts at", f"{values['rear_lifts_at']:.2f} g"),
         ],
-        parts=[Facts("Axles", tables=[Cells(("axle", "front", "rear"), axles)])],
+        parts=[Facts("Axles", tables=[Table(("axle", "front", "rear"), axles)])],
         warnings=vehicle_warnings(vehicle),
     )
 
@@ -66,7 +64,7 @@ def vehicle_facts(vehicle: Vehicle) -> Facts:
 def cards(effects: Sequence[Card]) -> Facts:
     """Return each effect with its cause."""
     rows = [(effect.name, effect.cause) for effect in effects]
-    return Facts(tables=[Cells(("effect", "cause"), rows)])
+    return Facts(tables=[Table(("effect", "cause"), rows)])
 
 
 def card(effect: Card) -> Facts:
@@ -97,8 +95,9 @@ def vehicle_sheet(vehicle: Vehicle) -> Sheet:
 
     z = np.linspace(0.0, min(1.0, vehicle.cg_to_front_axle / vehicle.cg_height), 101)
     load_f, load_r = axle_loads(vehicle, z)
-    ideal_f = front.rolling_radius * z * load_f / _KNM
-    ideal_r = rear.rolling_radius * z * load_r / _KNM
+    ideal_f, ideal_r = (
+        axle.rolling_radius * z * load / _KNM for axle, load in ((front, load_f), (rear, load_r))
+    )
     points, end = beta(np.array(_DECELERATIONS)), 1.08 * beta(np.ones(1))[0, 0]
     lines = [
         Line(ideal_f, ideal_r, BODY, "I curve: equal friction"),

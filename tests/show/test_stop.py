@@ -3,9 +3,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.estimation.results import _write_result
+from calib.estimation.results import fill, to_dict
 from calib.show import stop
 from calib.show.result import read_result
+from calib.store.store import Store
 from tests.support.plot_lines import line, panel
 
 FRONT, REAR, TOTAL = (f"{side}, with 95 % band" for side in ("front", "rear", "total"))
@@ -43,10 +44,17 @@ def test_pad_friction_with_interval_over_that_of_the_ramp(sedan, drawn, stopped)
     assert high > e.ecu.pads_r.upper[e.ecu.valid].max()
 
 
-def test_a_stored_result_is_drawn_as_the_stop_that_was_judged(stopped, drawn, tmp_path):
-    _write_result(stopped.estimate, tmp_path / "stop.parquet")
-    sheet = stop.of_result(read_result(tmp_path / "stop.parquet"))
-    assert sheet.result in drawn.result
+def test_a_stored_result_is_drawn_as_the_stop_that_was_judged(sedan, stopped, drawn, tmp_path):
+    stored = Store(tmp_path / "tables").save(sedan)
+    limit = stopped.judgements[0]
+    failed = replace(stopped, judgements=(replace(limit, high=-1.0), *stopped.judgements[1:]))
+    for result in (failed, stopped):
+        fill([result], to_dict(stored, [result]), tmp_path)
+        sheet = stop.of_result(read_result(tmp_path / f"{stopped.log}.parquet"))
+        judged = stop.of_validation(result, stored.id)
+        assert (sheet.title, sheet.result) == (judged.title, judged.result)
+        assert (limit.figure in sheet.result) == (result is failed)
+        assert judged.note in sheet.note
     for name, label in (("pads", REAR), ("normalised-forces", "rear"), ("axle-torques", TOTAL)):
         a, b = (line(panel(one, name), label)[1] for one in (sheet, drawn))
         assert np.array_equal(a, b, equal_nan=True)
