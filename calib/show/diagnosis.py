@@ -38,7 +38,7 @@ _DRIVERS = {
 }
 """Drivers of an unknown cause in words; any other driver is its own word."""
 _WITHIN = 1.0
-"""Largest gap, over the sensors' noise [1], that is no sign of an unknown cause."""
+"""Largest gap over the sensors' noise [1] that is no sign of an unknown cause."""
 _SPEED = "Speed of the open-loop replays of the hold-outs less the measured one."
 _LARGEST = "Replay less measurement of {}, the log with the largest gap; the band is the noise."
 _GAP = "By log and channel, in units of the noise, which is taken out."
@@ -55,6 +55,11 @@ _INNOVATION = "mean squared innovation (1 = noise)"
 def diagnosis_facts(diagnosis: Diagnosis) -> Facts:
     """Return the verdict, a part for each named effect, the gap and the base parameters."""
     word, verdict = KINDS[outcome(diagnosis)]
+
+    def picture(caption: str, *panels: str) -> Picture:
+        return Picture(caption, lambda: diagnosis_sheet(diagnosis), panels)
+
+    pictures = [picture(_TERM, "term")] if diagnosis.unexplained else []
     rows = (
         ("gap", _gap_in_words(diagnosis)),
         *((spaced(effect.name), _parameters(effect)) for effect in diagnosis.effects),
@@ -62,7 +67,6 @@ def diagnosis_facts(diagnosis: Diagnosis) -> Facts:
         ("Not named", _withdrawn(diagnosis)),
         ("Unexplained", unexplained(diagnosis)),
     )
-    term = [Picture(_TERM, lambda: diagnosis_sheet(diagnosis), ["term"])]
     separating = [effect.separate_by for effect in diagnosis.effects if effect.separate_by]
     following = _FIT if diagnosis.verdict == "named" else ""
     return Facts(
@@ -73,10 +77,10 @@ def diagnosis_facts(diagnosis: Diagnosis) -> Facts:
         rows=[row for row in rows if row[1]],
         next=separating[0] if separating and diagnosis.verdict == "ambiguous" else following,
         warnings=diagnosis.warnings,
-        pictures=[Picture(_SPEED, lambda: diagnosis_sheet(diagnosis), ["speed"])],
+        pictures=[picture(_SPEED, "speed")],
         parts=[
             *(_effect(effect, diagnosis) for effect in diagnosis.effects),
-            Facts("What no effect explains", pictures=term if diagnosis.unexplained else ()),
+            Facts("What no effect explains", pictures=pictures),
             _gap(diagnosis),
             Facts("What it rests on", tables=[_base(diagnosis)]),
         ],
@@ -84,7 +88,7 @@ def diagnosis_facts(diagnosis: Diagnosis) -> Facts:
 
 
 def _gap_in_words(diagnosis: Diagnosis) -> str:
-    """Return the gap over the noise, before and after the named effects."""
+    """Return the gap over the noise, before and after the effects were added."""
     gap, hold_outs = diagnosis.gap, counted(len(diagnosis.measured), "hold-out")
     if diagnosis.verdict == "no_gap":
         return f"{gap.rms_before:.1f} times the noise, on {hold_outs}"
@@ -104,8 +108,7 @@ def _parameters(effect: Named) -> str:
 def outcome(diagnosis: Diagnosis) -> str:
     """Return the verdict after the hold-outs, a key of `KINDS`.
 
-    It is "named" only if the gap of the hold-outs became smaller and no other cause remains, and
-    "unknown" only if there is a gap.
+    "named" needs a smaller gap on the hold-outs and no other cause, "unknown" needs a gap.
     """
     if diagnosis.verdict == "unknown" and diagnosis.gap.rms_before < _WITHIN:
         return "within_noise"
@@ -113,28 +116,27 @@ def outcome(diagnosis: Diagnosis) -> str:
         return diagnosis.verdict
     if diagnosis.gap.closed <= 0.0:
         return "worse"
-    has_remainder = diagnosis.unexplained is not None
-    if diagnosis.verdict == "ambiguous":
-        return "ambiguous_rest" if has_remainder else "ambiguous"
-    return "rest" if has_remainder else "named"
+    if diagnosis.unexplained is None:
+        return diagnosis.verdict
+    return "rest" if diagnosis.verdict == "named" else "ambiguous_rest"
 
 
 def _verdict_of(diagnosis: Diagnosis) -> str:
     """Return the verdict in a sentence or two."""
-    names, remainder = [effect.name for effect in diagnosis.effects], diagnosis.unexplained
     if diagnosis.verdict == "no_gap":
         return "These logs show nothing that is missing from the model."
     if diagnosis.verdict in ("named", "ambiguous"):
-        more = ", and something else" if remainder is not None else ""
+        names = [effect.name for effect in diagnosis.effects]
         of_file = [name for name in names if name in diagnosis.model_before.effects]
         missing = [name for name in names if name not in of_file]
         sentences = [f"Missing from the model: {listed(missing)}"] if missing else []
         sentences += [f"Of another size than in the file: {listed(of_file)}"] if of_file else []
-        if diagnosis.verdict == "named":
-            return f"{'. '.join(sentences)}{more}."
-        others = {n for effect in diagnosis.effects for n in effect.indistinguishable_from}
-        rivals = listed(sorted(others - set(names)), "or")
-        return f"{'. '.join(sentences)}, or else {rivals}; these logs cannot tell which{more}."
+        text = ". ".join(sentences)
+        if diagnosis.verdict == "ambiguous":
+            others = {n for effect in diagnosis.effects for n in effect.indistinguishable_from}
+            rivals = listed(sorted(others - set(names)), "or")
+            text += f", or else {rivals}; these logs cannot tell which"
+        return f"{text}, and something else." if diagnosis.unexplained else f"{text}."
     if outcome(diagnosis) == "within_noise":
         return (
             "The hold-outs show no gap. What is left from step to step is quick, and not in the "
@@ -152,12 +154,12 @@ def _effect(effect: Named, diagnosis: Diagnosis) -> Facts:
     if region.temperature is not None:
         ranges.append(f"discs of {span(region.temperature, 'degC')}")
     without = diagnosis.reduced_after + effect.evidence.innovation_gain
-    at_hold_outs = effect.evidence.innovation_gain_holdout
+    at_hold_outs, runner_up = effect.evidence.innovation_gain_holdout, effect.runner_up
     evidence = f"without it the {_INNOVATION} is {without:.3f} instead of "
     evidence += f"{diagnosis.reduced_after:.3f}, on the hold-outs {at_hold_outs:.2f} more"
-    if (other := effect.runner_up) is not None:
-        leaves = diagnosis.reduced_before - other.innovation_gain
-        evidence += f"; next best: {spaced(other.name)}, {leaves:.3f}"
+    if runner_up is not None:
+        innovation = diagnosis.reduced_before - runner_up.innovation_gain
+        evidence += f"; next best: {spaced(runner_up.name)}, {innovation:.3f}"
     rows: list[Row] = [
         ("Cause", card.cause),
         ("Acts", f"{region.axle}; strongest in {region.channel}, at {', '.join(ranges)}"),
@@ -180,8 +182,8 @@ def _something_else(diagnosis: Diagnosis) -> str:
 
 def _withdrawn(diagnosis: Diagnosis) -> str:
     """Return the effects that were rejected, with the reasons; "" without any."""
-    worse = [listed(names) for names in diagnosis.withdrawn]
-    reasons = [f"{'; '.join(worse)}: worse on the hold-outs"] if worse else []
+    worse = "; ".join(listed(names) for names in diagnosis.withdrawn)
+    reasons = [f"{worse}: worse on the hold-outs"] if worse else []
     if diagnosis.verdict == "unknown" and (last := diagnosis.steps[-1]):
         reasons.append(f"{listed(last)}: explains less than an empirical term alone")
     return "; ".join(reasons)
@@ -203,9 +205,7 @@ def unexplained(diagnosis: Diagnosis) -> str:
     if cause.driver == WHEEL_ANGLE:
         sentences.append(f"{100.0 * cause.turning:.0f} % of it turns with the {cause.axle} wheels")
     if cause.wheel is not None:
-        sentences.append(
-            f"the {spaced(cause.wheel)} wheel is slower than the other one of its axle"
-        )
+        sentences.append(f"the {spaced(cause.wheel)} wheel is slower than the other of its axle")
     if (limit := cause.held_from) is not None and cause.driver != FREQUENCY:
         sentences.append(
             f"above {limit / BAR:.0f} bar the brake torque hardly rises: brake control or a valve"
@@ -234,7 +234,7 @@ def _gap(diagnosis: Diagnosis) -> Facts:
 
 
 def _base(diagnosis: Diagnosis) -> Table:
-    """Return a table of the re-identified base parameters, beside those of the vehicle file."""
+    """Return a table of the re-identified base parameters beside those of the vehicle file."""
     car = diagnosis.model_before.vehicle
     nominal = {"pad_friction_f": car.front.pad_friction, "pad_friction_r": car.rear.pad_friction}
     rows = [

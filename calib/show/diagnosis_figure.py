@@ -21,25 +21,20 @@ from calib.show.sheet import Sheet
 from calib.show.style import BODY, FRONT, IDENTIFIED, NOMINAL, Stroke, as_text, axis_ends, smooth
 
 _NOISE: Stroke = {"color": BODY["color"], "linewidth": 0.6}
-_STEP = 0.02
-"""Step between drawn points [s], which is shorter than the window of the mean."""
-_PAUSE = 0.6
-"""Space between two logs on one axis [s]."""
+_STEP, _PAUSE = 0.02, 0.6
+"""Step between drawn points, below the window of the mean; space between two logs [s]."""
 _LETTERS = 30
 """Letters of a name that fit into half of the smallest panel."""
 
 
 def diagnosis_sheet(diagnosis: Diagnosis) -> Sheet:
     """Return the sheet of a diagnosis."""
-    logs, name = range(len(diagnosis.measured)), diagnosis.model_before.vehicle.name
-    largest = worst(diagnosis)
-    weights, words = _split_of(diagnosis)
+    name, log = diagnosis.model_before.vehicle.name, [worst(diagnosis)]
+    logs, (weights, words) = range(len(diagnosis.measured)), _split_of(diagnosis)
     panels = (
         _errors("speed", "Speed", diagnosis, logs, {"v": 1.0}, "v [m/s]"),
-        _errors(
-            "acceleration", "Acceleration", diagnosis, [largest], {"a_x": 1.0}, "a_x [m/s\u00b2]"
-        ),
-        _errors("split", f"Wheel speeds, {words}", diagnosis, [largest], weights, "[rad/s]"),
+        _errors("acceleration", "Acceleration", diagnosis, log, {"a_x": 1.0}, "a_x [m/s\u00b2]"),
+        _errors("split", f"Wheel speeds, {words}", diagnosis, log, weights, "[rad/s]"),
         *([_term(diagnosis.unexplained.term)] if diagnosis.unexplained else []),
     )
     return Sheet(
@@ -78,7 +73,7 @@ def _term(term: EmpiricalTerm) -> Panel:
 
 
 def _split_of(diagnosis: Diagnosis) -> tuple[dict[str, float], str]:
-    """Return the weights of the wheel speeds in the difference that shows the effect, and its name.
+    """Return weights of the wheel speeds for the difference that shows the effect, and its name.
 
     It is the difference of the axles, or of the sides of an axle.
     """
@@ -99,14 +94,13 @@ def _errors(
     weights: dict[str, float],
     unit: str,
 ) -> Panel:
-    """Return a panel with replay less measurement of a weighted sum of channels.
+    """Return a panel with replay less measurement of a sum of channels with ``weights``.
 
-    The ``logs``, by their indices, stand one after another, each below its number and as much of
-    its name as fits there. ``weights`` are those of the channels by their names.
+    The ``logs``, by their indices, stand one after another, each below its number and name.
     """
     noises = [w * diagnosis.gap.noise[CHANNELS.index(channel)] for channel, w in weights.items()]
-    half, start, names = Z95 * math.hypot(*noises), 0.0, []
-    lines: list[Line] = []
+    half, start = Z95 * math.hypot(*noises), 0.0
+    lines, names = list[Line](), []
     replays = [
         ("after", diagnosis.replays_after, IDENTIFIED),
         ("before", diagnosis.replays_before, NOMINAL),

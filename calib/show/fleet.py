@@ -1,7 +1,7 @@
 """Facts of a fleet, the logs of many drives, and the picture of one metric, log by log.
 
 A picture has a point for each log, the median and the range of 90 % of the logs. A value beyond the
-axis is drawn at its end.
+axis is drawn at the end of the axis.
 """
 
 import textwrap
@@ -19,10 +19,8 @@ from calib.show.panel import Line, Panel
 from calib.show.sheet import Sheet
 from calib.show.style import BODY, NOMINAL, REAR, Array, Stroke, as_text, dots, names_below
 
-_FIRST = 5
-"""Number of logs that stand apart (outliers) that the head of the answer names."""
-_NAMES = 50
-"""Number of logs that stand apart that the page names; fleet.json has all."""
+_FIRST, _NAMES = 5, 50
+"""Number of outliers, the logs that stand apart, that the head and the page name."""
 _HEADS = ("metric", "logs", "median", "90 % of the logs", "stand apart")
 _HALF_WIDTHS = {
     "front": "ecu_interval_f",
@@ -33,13 +31,11 @@ _HALF_WIDTHS = {
 _ALONE = "none: it is a log of the fit, or run the command on it alone"
 """Text of a log that failed without a broken limit."""
 _THIN: Stroke = {"color": BODY["color"], "linewidth": 0.8}
-_LINE = 32
-"""Letters of the name of an axis that fit beside a panel."""
-_NAMED = 8
-"""Largest number of logs that a picture names."""
+_LETTERS, _NAMED = 32, 8
+"""Letters that fit beside a panel; largest number of logs that a picture names."""
 _TAIL, _FEWEST = 6.0, 10
-"""Largest distance of an axis' end from the median, over the scale of the values [1]; an axis of
-fewer values has all."""
+"""Distance of an axis' end from the median, over the scale of the values [1], and for how many
+values; an axis of fewer values shows all."""
 
 
 def fleet_facts(summary: Summary) -> Facts:
@@ -82,11 +78,11 @@ def fleet_facts(summary: Summary) -> Facts:
 def _torque(metrics: list[MetricSummary]) -> list[Row]:
     """Return the relative 95 % half widths of the ECU's torque in the median stop, as one row.
 
-    They are the half widths of the pads, since torque is proportional to pad friction.
+    They equal those of the pads, as torque is proportional to pad friction.
     """
     medians = {metric.column.name: metric.median for metric in metrics}
     halves = [
-        f"{side} \N{PLUS-MINUS SIGN}{NBSP}{metric_of(name).with_unit(medians[name])}"
+        f"{side} ±{NBSP}{metric_of(name).with_unit(medians[name])}"
         for side, name in _HALF_WIDTHS.items()
         if name in medians
     ]
@@ -99,7 +95,6 @@ def _limits(keys: str) -> str:
 
 
 def _metric(summary: Summary, metric: MetricSummary) -> Facts:
-    """Return the part of a page with the picture of one metric."""
     picture = Picture(f"{metric.name}, log by log.", partial(metric_sheet, summary, metric))
     return Facts(f"{metric.name} ({metric.column.name})", pictures=[picture])
 
@@ -125,7 +120,6 @@ def _text_of(metric: MetricSummary) -> Callable[[float], str]:
 
 
 def _verdict(summary: Summary) -> str:
-    """Return the verdict that colours the head of the page."""
     if not summary.judged:
         return UNJUDGED
     return WARNING if summary.outliers or summary.failures else PASSED
@@ -148,9 +142,8 @@ def metric_sheet(summary: Summary, metric: MetricSummary) -> Sheet:
     """Return the sheet of one metric, in its printed unit."""
     printed = metric_of(metric.column.name, metric.column.unit)
     factor, ends, outlying = printed.factor, window(metric), metric.outlying
-    x = np.asarray(metric.rows + 1, float)
+    x, axis = np.asarray(metric.rows + 1, float), (0.0, len(summary.logs) + 1.0)
     y: Array = factor * np.clip(metric.values, *ends)
-    axis = (0.0, len(summary.logs) + 1.0)
     share = "90 % of the others" if outlying.any() else "90 % of the logs"
     low, high = (np.full(2, factor * end) for end in metric.inlier_range)
     names = [Path(log).stem for log in summary.logs]
@@ -168,7 +161,7 @@ def metric_sheet(summary: Summary, metric: MetricSummary) -> Sheet:
         "order",
         as_text(metric.name),
         "log, in the order of the names",
-        textwrap.fill(as_text(printed.heading), _LINE),
+        textwrap.fill(as_text(printed.heading), _LETTERS),
         lines,
         texts=[(as_text(names[metric.rows[i]]), x[i], y[i]) for i in farthest],
         xlim=axis,
@@ -183,7 +176,7 @@ def window(metric: MetricSummary) -> tuple[float, float]:
     """Return the ends of the axis: all values, but at most `_TAIL` scales from the median."""
     low, high = float(np.min(metric.values)), float(np.max(metric.values))
     if metric.scale > 0.0 and metric.values.size >= _FEWEST:
-        reach = _TAIL * metric.scale
-        low, high = max(low, metric.median - reach), min(high, metric.median + reach)
-    alike = high - low <= 1e-9 * max(abs(low), abs(high))
-    return (low - 0.5, high + 0.5) if alike else (low, high)
+        tail = _TAIL * metric.scale
+        low, high = max(low, metric.median - tail), min(high, metric.median + tail)
+    are_equal = high - low <= 1e-9 * max(abs(low), abs(high))
+    return (low - 0.5, high + 0.5) if are_equal else (low, high)

@@ -18,7 +18,6 @@ from calib.store.version import Stored
 from calib.table.table import Table
 
 _FRAME = '<iframe srcdoc="{}" title="{}" style="border: 0; width: 100%; height: 40rem"></iframe>'
-"""A page in a frame, so that its style does not change the notebook."""
 
 
 def plot(result: Viewable) -> Figure:
@@ -27,7 +26,7 @@ def plot(result: Viewable) -> Figure:
 
 
 def page(result: Viewable) -> str:
-    """Return the page of a result, in a frame."""
+    """Return the page of a result, in a frame that keeps its style from the notebook."""
     if isinstance(result, Diagnosis):
         facts = diagnosis_facts(result)
     else:

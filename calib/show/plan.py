@@ -1,4 +1,4 @@
-"""A plan as facts: cards for the driver, the widths after each step, and those that a fit reached.
+"""A plan as facts: widths after each step, cards for the driver, and the widths of a fit.
 
 A width is the 95 % half width of the brake torque, over the torque [1].
 """
@@ -44,7 +44,7 @@ def _notes(plan: "Plan") -> list[str]:
     texts = ", ".join(measure.text for measure in plan.not_worth)
     notes = [f"Not worth driving in addition: {texts}."] if texts else []
     reasons = "; ".join(dict.fromkeys(plan.impossible.values()))
-    return notes + [f"Not possible here: {reasons}."] * bool(reasons)
+    return [*notes, f"Not possible here: {reasons}."] if reasons else notes
 
 
 def _card(plan: "Plan", step: "Step", number: int) -> Facts:

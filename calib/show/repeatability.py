@@ -1,7 +1,6 @@
 """A gauge study: its verdicts, the causes of scatter, and the values of the ramps as a picture.
 
-A panel shows the values of a metric: a column for each car, a marker for each station, and a line
-at the mean of the car.
+A panel has a column for each car, a marker for each station, and a line at the mean of the car.
 """
 
 from functools import partial
@@ -25,20 +24,20 @@ _STATIONS, _MARKS = (FRONT, REAR, IDENTIFIED, NOMINAL), "osD^vPX"
 
 def gauge_facts(study: GaugeStudy) -> Facts:
     """Return the verdict of a gauge study, and each metric with its causes of scatter."""
-    judged = [one for one in study.results if one.verdict != GaugeVerdict.NOT_JUDGED]
-    within = sum(one.verdict not in REFUSED for one in judged)
+    judged = [result for result in study.results if result.verdict != GaugeVerdict.NOT_JUDGED]
+    within = sum(result.verdict not in REFUSED for result in judged)
     sentences = [f"{within} of {len(judged)} metrics within the limits"]
     for verdict in REFUSED:
-        bad = [metric_of(one.name).name for one in judged if one.verdict == verdict]
-        sentences += [f"{verdict}: {', '.join(bad)}"] if bad else []
+        names = [metric_of(result.name).name for result in judged if result.verdict == verdict]
+        sentences += [f"{verdict}: {', '.join(names)}"] if names else []
     if not judged:
         sentences = ["none of the metrics could be judged: their repeats do not scatter"]
     # cars that are alike show nothing of a gauge, good or bad
-    failed = any(one.verdict == GaugeVerdict.BAD for one in judged)
+    failed = any(result.verdict == GaugeVerdict.BAD for result in judged)
     outcome = FAILED if failed else PASSED if judged and study.passed else UNJUDGED
     heads = ("metric", "%GRR", "95 %", "ndc", "of tolerance [%]", "verdict")
     causes = ("metric", "repeatability", "reproducibility", "cars")
-    verdicts = [_COLOURS.get(one.verdict, "") for one in study.results]
+    verdicts = [_COLOURS.get(result.verdict, "") for result in study.results]
     return Facts(
         "Gauge study",
         headline="; ".join(sentences),
@@ -66,7 +65,6 @@ def _shares(result: GaugeResult) -> tuple[str, ...]:
 
 
 def _deviations(result: GaugeResult) -> tuple[str, ...]:
-    """Return the row of a metric with the standard deviation of each cause of scatter."""
     components, shown = result.gauge.components if result.gauge else {}, metric_of(result.name)
     deviations = {name: f"{shown.factor * one.sd:.3g}" for name, one in components.items()}
     return shown.heading, *(deviations.get(name, "") for name in _CAUSES)
@@ -74,32 +72,30 @@ def _deviations(result: GaugeResult) -> tuple[str, ...]:
 
 def gauge_sheet(study: GaugeStudy) -> Sheet:
     """Return the sheet of a gauge study, with a panel for each metric."""
-    summary = gauge_facts(study)
+    facts = gauge_facts(study)
     stations = f", {len(study.stations)} stations" if study.stations else ""
     return Sheet(
         kind="repeatability",
         name="repeatability",
-        panels=tuple(_panel(study, one) for one in study.results),
+        panels=tuple(_panel(study, result) for result in study.results),
         title=f"Gauge study: {len(study.cars)} cars{stations}, {len(study.readings)} ramps",
         note=_DRAWN,
-        result=f"{summary.word}: {summary.headline}",
+        result=facts.verdict_line,
     )
 
 
 def _panel(study: GaugeStudy, result: GaugeResult) -> Panel:
     """Return the panel of a metric: a column for each car, its stations side by side."""
     cars, stations, shown = study.cars, study.stations or ("",), metric_of(result.name)
-    x = np.array([float(cars.index(r.car)) for r in study.readings])
-    y = shown.factor * result.values
-    lines = []
+    x = np.array([float(cars.index(reading.car)) for reading in study.readings])
+    y, lines = shown.factor * result.values, []
     for k, station in enumerate(stations):
-        of_station = np.array([r.station == station for r in study.readings])
+        of_station = np.array([reading.station == station for reading in study.readings])
         aside = 0.5 * ((k + 0.5) / len(stations) - 0.5)
         look = dots(_STATIONS[k % len(_STATIONS)], 3.2, _MARKS[k % len(_MARKS)])
         lines.append(Line(x[of_station] + aside, y[of_station], look, as_text(station)))
-    lines += [
-        Line([i - 0.35, i + 0.35], [float(np.mean(y[x == i]))] * 2, BODY) for i in range(len(cars))
-    ]
+    means = [float(np.mean(y[x == i])) for i in range(len(cars))]
+    lines += [Line([i - 0.35, i + 0.35], [mean, mean], BODY) for i, mean in enumerate(means)]
     return Panel(
         f"{result.name}-values",
         f"{as_text(shown.name)}: {result.verdict}",

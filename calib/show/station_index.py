@@ -1,6 +1,7 @@
 """The page of an index of runs: the last car, the last runs by their verdicts, and trends."""
 
 import textwrap
+from collections import Counter
 from collections.abc import Sequence
 from datetime import datetime
 from pathlib import Path
@@ -27,13 +28,13 @@ from calib.show.sheet import Sheet
 from calib.show.style import FRONT, NOMINAL, as_text, axis_ends, names_below
 
 _LAST = 30
-"""Number of runs in the first table, which has failed ones on top; all others are below."""
+"""Number of runs in the first table."""
 _DRAWN, _TITLE = 200, 50
 """Number of runs in a trend; letters of a title that have room above a panel."""
 _AROUND = np.array([0.85, 1.15])
 """Smallest range of an axis without limits, over the median [1]."""
 _EVERY = 10
-"""Seconds after which `LIVE` loads itself again."""
+"""Time after which `LIVE` loads itself again [s]."""
 _TORQUES = ("torque_per_bar_f", "torque_per_bar_r")
 
 
@@ -50,13 +51,10 @@ def write_index(folder: Path) -> int:
 
 
 def index_facts(runs: Sequence[IndexedRun], name: str, every: int = 0) -> Facts:
-    """Return the facts of the ``runs``, of which the last comes first.
-
-    Their page loads itself again every so many seconds; never with 0.
-    """
+    """Return the facts of the ``runs``, the last one first, which load again ``every`` [s] or 0."""
     last = runs[0] if runs else None
-    words = (PASSED, WARNING, FAILED, NO_VERDICT, UNREADABLE)
-    counts = {word: sum(run.verdict == word for run in runs) for word in words}
+    counts = Counter(run.verdict for run in runs)
+    words = [w for w in (PASSED, WARNING, FAILED, NO_VERDICT, UNREADABLE) if counts[w]]
     reloading, still = ("This page", INDEX) if every else (LIVE, "this page")
     ranks = (FAILED, WARNING, PASSED)  # of equal ones the last run is first
     shown = sorted(runs[:_LAST], key=lambda run: ranks.index(_verdict(run)))
@@ -67,7 +65,7 @@ def index_facts(runs: Sequence[IndexedRun], name: str, every: int = 0) -> Facts:
         word=f"{last.car or last.place}: {_heading(last)}" if last else "No run yet",
         numbers=[
             ("car" if len(runs) == 1 else "cars", str(len(runs))),
-            *((word, str(count)) for word, count in counts.items() if count),
+            *((word, str(counts[word])) for word in words),
         ],
         tables=[_table(shown, "The last cars, failed and refused ones on top.")],
         notes=[f"{reloading} reloads itself every {_EVERY} s; {still} stays as it is."],
@@ -77,7 +75,7 @@ def index_facts(runs: Sequence[IndexedRun], name: str, every: int = 0) -> Facts:
 
 
 def _verdict(run: IndexedRun) -> str:
-    """Return the verdict by which a run is coloured and sorted; one without a verdict failed."""
+    """Return the verdict that colours and sorts a run; a run without a verdict failed."""
     return run.verdict if run.verdict in (PASSED, WARNING) else FAILED
 
 
@@ -119,11 +117,9 @@ def _table(runs: Sequence[IndexedRun], caption: str = "") -> Table:
     rows = []
     for run in runs:
         trend = run.trend or {}
-        pads = (
-            " / ".join(metric_of(name).value(trend.get(name)) for name in _TORQUES) if trend else ""
-        )
+        torque = " / ".join(metric_of(x).value(trend.get(x)) for x in _TORQUES) if trend else ""
         date = datetime.fromtimestamp(run.written_at).astimezone().strftime("%Y-%m-%d %H:%M")
-        rows.append((run.car or run.place, _heading(run), _why(run), pads, run.station, date))
+        rows.append((run.car or run.place, _heading(run), _why(run), torque, run.station, date))
     return Table(
         ("car", "verdict", "what to do", "torque per bar f / r [N m]", "station", "time"),
         rows,

@@ -1,4 +1,4 @@
-"""A car at the station: its facts, and all files of its run, made before the first is published."""
+"""A car at the station: its facts, and the files of its run."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -22,8 +22,7 @@ from calib.line.station.files import (
     why_not_exported,
 )
 from calib.line.station.station import TITLES, StationOutcome
-from calib.show.facts import WORDS, Facts, Picture, Row
-from calib.show.facts import Table as Cells
+from calib.show.facts import WORDS, Facts, Picture, Row, Table
 from calib.show.html import page_of
 from calib.show.interactive import installed
 from calib.show.judged import budget_rows, judged, ramp_rows, stop_by_stop
@@ -56,9 +55,8 @@ def station_facts(run: StationRun) -> Facts:
 
     Equal inputs give equal bytes of the page, as it has no path and no time of day.
     """
-    outcome, stored = run.outcome, run.stored
+    outcome, stored, identity = run.outcome, run.stored, run.outcome.identity
     date = stored.state.stored_at[:10]
-    identity = outcome.identity
     curves = Picture(_CURVES, lambda: table_sheet(outcome.table, stored.id), ("f1-f2", "map"))
     of_car = [[check] for check in outcome.checks if check.stop is None]
     car, unknown = judged("The car as a whole, the worst first.", of_car)
@@ -97,7 +95,7 @@ def station_facts(run: StationRun) -> Facts:
     )
 
 
-def _missed(outcome: StationOutcome) -> Cells:
+def _missed(outcome: StationOutcome) -> Table:
     """Return a table of the broken limits, those that fail the car first, with next steps."""
     steps = [
         (check.verdict, check.text, check.action)
@@ -105,7 +103,7 @@ def _missed(outcome: StationOutcome) -> Cells:
         for check in outcome.checks
         if check.verdict == verdict
     ]
-    return Cells(("verdict", "result", "next step"), steps, _MISSED, [step[0] for step in steps])
+    return Table(("verdict", "result", "next step"), steps, _MISSED, [step[0] for step in steps])
 
 
 def _run(outcome: StationOutcome, date: str) -> list[Row]:
@@ -124,11 +122,10 @@ def _run(outcome: StationOutcome, date: str) -> list[Row]:
 def store_and_write(
     outcome: StationOutcome, store: Store, forms: Sequence[str], work: Path
 ) -> tuple[Stored, dict[str, Any]]:
-    """Write all files into the folder ``work``, then store the table.
+    """Write all files into the folder ``work``, then store the table with its state in one step.
 
-    Return the stored table and `station.json`. The version is stored with its state in one step. If
-    another run took the number of the version meanwhile, the files are written again. Raises
-    OSError, ExchangeError, StoreError.
+    Return the stored table and `station.json`. If another run took the number of the version
+    meanwhile, the files are written again. Raises OSError, ExchangeError, StoreError.
     """
     results = list(outcome.results)
     while True:
