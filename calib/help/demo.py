@@ -16,9 +16,8 @@ from calib.base.plain import counted, rows
 from calib.show.facts import FAILED, PASSED, WORDS, Facts, Table
 
 INDEX = "index.html"
-"""Name of the page that links everything."""
 _THUMBNAIL, _SHADES = 160, 15
-"""Approximate width of a picture in the index [px]; number of shades of each colour."""
+"""Approximate width of a picture in the index [px]; number of shades of each colour, less 1."""
 
 
 @dataclass(frozen=True)
@@ -28,10 +27,8 @@ class Step:
     Attributes
     ----------
     figure : number of the paper's figure that the command draws, "" for none.
-    purpose : what the command is for.
     leaves : path of the page or picture that the command writes, "" for none.
     expected : text that a right answer contains.
-    line : the command line.
     """
 
     figure: str
@@ -50,7 +47,6 @@ class Ran:
 
 
 STEPS = tuple(Step(**row) for row in rows("demo.csv", "calib.help"))
-"""The command lines in their order."""
 
 
 def demo_facts(ran: Mapping[Step, Ran], folder: Path) -> Facts:
@@ -58,7 +54,7 @@ def demo_facts(ran: Mapping[Step, Ran], folder: Path) -> Facts:
     passed = sum(answer.passed for answer in ran.values())
     verdict = PASSED if passed == len(ran) else FAILED
     figures = [step for step in ran if step.figure]
-    figures.sort(key=lambda step: int(step.figure.split()[0]))
+    figures.sort(key=lambda step: int(step.figure.split()[0]))  # "10 and 11" is sorted as 10
     return Facts(
         title="brake-cal demo",
         verdict=verdict,
@@ -75,7 +71,7 @@ def demo_facts(ran: Mapping[Step, Ran], folder: Path) -> Facts:
 
 
 def _table(caption: str, steps: Mapping[str, Step], ran: Mapping[Step, Ran], folder: Path) -> Table:
-    """Return a table of the steps, by their names in the index, with links to what they wrote."""
+    """Return a table of ``steps`` by their names, with links to what they wrote."""
     rows = [(name, step.line, ran[step].answer) for name, step in steps.items()]
     verdicts = [PASSED if ran[step].passed else FAILED for step in steps.values()]
     links = [step.leaves if ran[step].passed else "" for step in steps.values()]
@@ -90,7 +86,6 @@ def _thumbnail(picture: Path) -> str:
     pixels, buffer = imread(picture), io.BytesIO()  # (height, width, colours)
     side = max(1, pixels.shape[1] // _THUMBNAIL)
     height, width = (size // side for size in pixels.shape[:2])
-    whole = pixels[: height * side, : width * side, :3]
-    squares = whole.reshape(height, side, width, side, 3)
+    squares = pixels[: height * side, : width * side, :3].reshape(height, side, width, side, 3)
     imsave(buffer, np.rint(_SHADES * squares.mean(axis=(1, 3))) / _SHADES, format="png")
     return f"data:image/png;base64,{base64.b64encode(buffer.getvalue()).decode()}"

@@ -22,7 +22,7 @@ from calib.show.facts import Facts, Table
 from calib.store.folders import names_in, versions_in
 
 FINE, NOTE, WRONG = "fine", "note", "wrong"
-"""States: all is well; something is limited; the program cannot work."""
+"""States of a thing: all is well, something is limited, the program cannot work."""
 
 
 def environment() -> dict[str, str]:
@@ -53,7 +53,7 @@ def packages() -> Iterator[tuple[Requirement, str, str]]:
 
 @dataclass(frozen=True)
 class _Finding:
-    """A thing that was examined: its ``name``, its ``state``, why in ``text``, what to ``do``."""
+    """The state of a thing that was examined, why in ``text``, and what to ``do``."""
 
     name: str
     state: str
@@ -76,7 +76,7 @@ def examine(store: Path | None = None) -> tuple[_Finding, ...]:
 
 
 def _package(package: tuple[Requirement, str, str]) -> _Finding:
-    """Return whether an item of `packages` is installed in a version that fits."""
+    """Return the finding on an item of `packages`."""
     need, installed, extra = package
     text = f"{installed or 'missing'} (needs {need.specifier})"
     if installed and need.specifier.contains(installed, prereleases=True):
@@ -89,7 +89,6 @@ def _package(package: tuple[Requirement, str, str]) -> _Finding:
 
 
 def _store(store: Path) -> _Finding:
-    """Return whether the store can be read and written, and how many tables it has."""
     if not store.exists():
         do = "the first `brake-cal fit` makes it"
         return _Finding("store", NOTE, f"{store} is not there", do)
@@ -107,7 +106,7 @@ def doctor_facts(findings: Sequence[_Finding]) -> Facts:
     """Return the facts of the findings; those that are not `FINE` are the answer."""
     wrong = [finding.name for finding in findings if finding.state == WRONG]
     can = f"cannot work here: {', '.join(wrong)}" if wrong else "can work here"
-    rows = [(x.name, x.state, "; ".join(filter(None, (x.text, x.do)))) for x in findings]
+    rows = [(x.name, x.state, f"{x.text}; {x.do}" if x.do else x.text) for x in findings]
     heads, odd = ("what", "state", "found"), [row for row in rows if row[1] != FINE]
     return Facts(
         headline=f"{PROGRAM} {can}",

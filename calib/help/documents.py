@@ -30,7 +30,7 @@ _TYPES = {
 }
 """JSON types by the words of `documents.toml`."""
 _SEVERAL = " ..."
-"""End of a key that stands for all keys that begin alike."""
+"""End of a key that stands for several keys with the same beginning."""
 
 
 @dataclass(frozen=True)

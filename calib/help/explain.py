@@ -1,4 +1,4 @@
-"""What the code of a warning, a metric or a reason of an ECU means, from the tables of the program.
+"""The meaning of the code of a warning, a metric or a reason of an ECU, from the program's tables.
 
 rules.csv     what speaks against a log, a car or a result: from where on, why, what to do
 metrics.csv   what is judged, and its limits
@@ -23,18 +23,16 @@ def codes() -> list[str]:
 
 def explained(code: str) -> Facts:
     """Return what a code means, as rule, metric and reason; no rows for an unknown code."""
-    rows = [*_rules(code), *_metric(code), *_reason(code)]
-    return Facts(code, rows=list(dict.fromkeys(rows)))
+    rows = dict.fromkeys([*_rules(code), *_metric(code), *_reason(code)])
+    return Facts(code, rows=list(rows))
 
 
 def _rules(code: str) -> list[Row]:
-    """Return what the rules of a code measure and expect; likely causes, and what to do."""
+    """Return what the rules of a code measure and expect, likely causes, and what to do."""
     rows: list[Row] = []
-    for rule in (one for one in RULES if one.code == code):
-        causes = [
-            cause for cell in (*rule.causes, *rule.causes_below) if (cause := _open(cell)) != "..."
-        ]
-        purposes = ", ".join(rule.purposes)
+    for rule in (rule for rule in RULES if rule.code == code):
+        texts = [_open(cause) for cause in (*rule.causes, *rule.causes_below)]
+        causes, purposes = [text for text in texts if text != "..."], ", ".join(rule.purposes)
         rows += [
             ("measures", f"{rule.title}, in {rule.unit}" if rule.unit != "1" else rule.title),
             ("expected", f"{_range(rule.low, rule.high)} ({purposes}), {_ELSE[rule.consequence]}"),
@@ -50,13 +48,11 @@ def _open(text: str) -> str:
 
 
 def _range(low: float, high: float) -> str:
-    """Return a range in words."""
     words = range_words(*("" if math.isinf(end) else f"{end:g}" for end in (low, high)))
     return "what cars have" if words == "none" else words
 
 
 def _metric(code: str) -> list[Row]:
-    """Return the meaning and the limits of a metric; [] for another code."""
     if (metric := METRICS.get(code)) is None:
         return []
     stop = metric.stop
@@ -74,7 +70,7 @@ def _metric(code: str) -> list[Row]:
 
 
 def _reason(code: str) -> list[Row]:
-    """Return the meaning of a reason of an ECU, or of a check; [] for another code."""
+    """Return the meaning of a reason of an ECU, or of a check of the reason IMPLAUSIBLE."""
     if code in CHECKS:
         return [("check of IMPLAUSIBLE", CHECKS[code])]
     if code in Reason.__members__:

@@ -41,10 +41,7 @@ _OF_LATEX = (
 
 @dataclass(frozen=True)
 class _Page:
-    """A page: the ``name`` of its file, its ``title``, what it is ``about``, its ``group``.
-
-    The groups are those of the contents.
-    """
+    """A page of the manual: ``name`` of its file, title, what it is ``about``, and its group."""
 
     name: str
     title: str
@@ -59,7 +56,7 @@ class _Page:
 
 @cache
 def contents() -> dict[str, _Page]:
-    """Return the pages by name, in the order of `index.md`, which is none of them."""
+    """Return the pages by name, in the order of `index.md`."""
     pages, group = {}, ""
     for line in (FOLDER / "index.md").read_text(encoding="utf-8").splitlines():
         if row := _ROW.fullmatch(line):

@@ -1,4 +1,4 @@
-"""Whether this installation computes right numbers: checks against truths from elsewhere.
+"""Check that this installation computes right numbers, by truths from elsewhere.
 
 `checks.csv` has the checks. A truth is a closed form that uses no code of `calib`, the pads of
 Section IV of the paper, or an input of the other program that simulated a sample log. The tolerance
@@ -25,16 +25,14 @@ from calib.logs.read import read_log
 from calib.show.facts import WORDS, Facts, Table
 
 _SIMULATED, _BODY, _HIDDEN = "simulation_study", "third_party", "hidden/case_0"
-"""Folders of the sample logs: the car of Section IV, a multi-body car, one with a hidden effect."""
+"""Folders of sample logs: the car of Section IV, a multi-body car, a car with a hidden effect."""
 
 
 def _log(path: str) -> Log:
-    """Return a sample log."""
     return read_log(sample_logs() / path)
 
 
 def _car(folder: str) -> Vehicle:
-    """Return the vehicle of a folder of the sample logs."""
     from calib.car.vehicle_file import read_vehicle
 
     return read_vehicle(sample_logs() / folder / "vehicle.toml")
@@ -134,16 +132,15 @@ def qualify(
 def qualification_facts(document: dict[str, Any]) -> Facts:
     """Return the facts of a document of `qualify`."""
     checks = document["checks"]
-    failed = [one["name"] for one in checks if not one["held"]]
+    failed = [check["name"] for check in checks if not check["held"]]
     headline = f"{len(failed)} of {len(checks)} checks fail: {', '.join(failed)}."
     heads = ("check", "value", "expected", "tolerance", "unit", "what it is", "truth")
     cells = [
-        (one["name"], one["error"] if one["value"] is None else f"{one['value']:.6g}",
-         f"{one['expected']:.6g}", f"{one['tolerance']:.3g}", one["unit"], one["quantity"],
-         one["truth"])
-        for one in checks
+        (x["name"], x["error"] if x["value"] is None else f"{x['value']:.6g}",
+         f"{x['expected']:.6g}", f"{x['tolerance']:.3g}", x["unit"], x["quantity"], x["truth"])
+        for x in checks
     ]  # fmt: skip
-    table = Table(heads, cells, verdicts=["passed" if one["held"] else "failed" for one in checks])
+    table = Table(heads, cells, verdicts=["passed" if x["held"] else "failed" for x in checks])
     machine = {**document["environment"], **document["packages"]}
     return Facts(
         f"Qualification of {PROGRAM} on this machine",

@@ -6,7 +6,7 @@ from calib.base.errors import InputError
 
 
 def sample_logs() -> Path:
-    """Directory of the sample logs. Raises InputError when the program was installed without them.
+    """Return the folder of the sample logs. Raises InputError if they are not installed.
 
     >>> import calib
     >>> sorted(file.name for file in (calib.sample_logs() / "simulation_study").glob("*.parquet"))
