@@ -37,8 +37,8 @@ T = TypeVar("T", float, Array)
 class ForceBalance:
     """Forces of a run [N], shapes (n,); all but the loads are positive when they slow the car.
 
-    The drag of an axle are the moments on its wheels besides the brakes, over the rolling radius.
-    The inertia of slowing wheels, which drives the car on, makes it smaller.
+    The drag of an axle is the moment on its wheels besides the brakes, over the rolling radius. The
+    inertia of slowing wheels, which drives the car on, makes the drag smaller.
     """
 
     load_f: Array  # axle loads (6), (7), with the known effects on them

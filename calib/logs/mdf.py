@@ -53,29 +53,30 @@ def open_mdf(path: Path, dbc: Databases) -> Recording:
 
 def _recording(mdf: Any, dbc: Databases, notes: list[str], where: str) -> Recording:
     """Return the measured channels of an open file, and after them the signals of bus frames."""
-    buses = [
+    bus_groups = [
         number
         for number, group in enumerate(mdf.groups)
         if any(c.name.startswith(("CAN_", "LIN_")) and "Frame" in c.name for c in group.channels)
     ]
     titles = _titles(mdf)
-    columns, places, left_out = _channels(mdf, buses, titles)
+    columns, places, left_out = _channels(mdf, bus_groups, titles)
     notes += left_out
-    needs_dbc = buses and (any(dbc.values()) or not columns)
+    needs_dbc = bus_groups and (any(dbc.values()) or not columns)
     database = require_dbc(dbc, "mdf", where) if needs_dbc else Dbc({})
-    frames = _frames(mdf, buses, database, where) if needs_dbc else []
+    frames = _frames(mdf, bus_groups, database, where) if needs_dbc else []
     if needs_dbc and not columns:
         require_described(frames, (), database, where)
-    if buses and not needs_dbc:
+    if bus_groups and not needs_dbc:
         notes.append("the log has bus frames, which need a DBC: name it in a channel map")
     signal_columns, signals = described_signals(frames, database)
 
     def read(indices: Sequence[int]) -> list[ChannelTrace]:
         # index 0 is the clock, then come the measured channels, then the signals
-        chosen = [places[i - 1] for i in indices if i <= len(places)]
+        first_signal = 1 + len(places)
+        chosen = [places[i - 1] for i in indices if i < first_signal]
         measured = dict(zip(chosen, _traces(mdf, chosen, titles, where), strict=True))
         return [
-            measured[places[i - 1]] if i <= len(places) else decode(*signals[i - 1 - len(places)])
+            measured[places[i - 1]] if i < first_signal else decode(*signals[i - first_signal])
             for i in indices
         ]
 
@@ -91,7 +92,8 @@ def _check_groups(mdf: Any, counts: dict[int, int], where: str) -> None:
     """
     for group in mdf.groups:
         record = group.channel_group
-        if record.cycles_nr < (counted := counts.get(record.address, 0)):
+        counted = counts.get(record.address, 0)
+        if record.cycles_nr < counted:
             raise _too_few("records", record.cycles_nr, counted, where)
         size = record.samples_byte_nr + getattr(record, "invalidation_bytes_nr", 0)
         if record.cycles_nr * size > RECORDING.max_bytes:
@@ -108,12 +110,12 @@ def _check_groups(mdf: Any, counts: dict[int, int], where: str) -> None:
 
 
 def _channels(
-    mdf: Any, buses: Sequence[int], titles: Sequence[str]
+    mdf: Any, bus_groups: Sequence[int], titles: Sequence[str]
 ) -> tuple[list[Column], list[_Place], list[str]]:
     """Return columns and places of the measured channels, and notes on groups without a clock."""
     columns, places, notes = [], [], []
     for number, group in enumerate(mdf.groups):
-        if number in buses or not (group.channel_group.cycles_nr and group.channels):
+        if number in bus_groups or not (group.channel_group.cycles_nr and group.channels):
             continue
         master = mdf.masters_db.get(number)
         if master is None or getattr(group.channels[master], "sync_type", 1) != _TIME_SYNC:

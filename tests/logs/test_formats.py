@@ -9,14 +9,7 @@ import pytest
 from calib.base.errors import LogError
 from calib.logs.formats import refuse_other_kind
 from calib.logs.read import FORMATS, read_log
-from tests.support.recordings import (
-    RAMP,
-    ramp,
-    write_bus,
-    write_dbc,
-    write_map,
-    write_mdf,
-)
+from tests.support.recordings import RAMP, ramp, write_bus, write_dbc, write_map, write_mdf
 from tests.support.refusals import refusal
 
 POINTER = b"""version https://git-lfs.github.com/spec/v1
@@ -77,8 +70,7 @@ def write(folder: Path, name: str) -> tuple[Path, Path]:
 
 @pytest.mark.smoke
 @pytest.mark.parametrize(
-    "name",
-    ["run.mf4", "packed.mf4", "run.mdf", "run.dat", "bus.blf", "bus.asc", "bus.log"],
+    "name", ["run.mf4", "packed.mf4", "run.mdf", "run.dat", "bus.blf", "bus.asc", "bus.log"]
 )
 def test_the_samples_are_those_of_the_csv(tmp_path, name):
     """Wheels keep their samples to the resolution of the bus; the rest is theirs in between."""

@@ -94,7 +94,7 @@ def _above_threshold(parameters: Parameters, history: RunHistory, p_f: Array, p_
 
     ``threshold`` is the larger one. ``threshold_rear_share``, by default 0.5, divides it between
     the axles: 0 is front only, 1 rear only. A negative threshold -t describes a sensor that reads t
-    too little; below t less than t is added, so that a released brake stays released.
+    too little: t is added, or p itself where p is smaller, so that a released brake stays released.
     """
     share = parameters.get("threshold_rear_share", 0.5)
     larger = parameters["threshold"]

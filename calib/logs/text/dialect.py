@@ -122,7 +122,7 @@ _FIRST_ROWS = 3  # rows with numbers, one below the other, that begin the sample
 
 @dataclass(frozen=True)
 class Layout:
-    """The header of a table, whose lines are empty where there is none, and where samples begin."""
+    """Lines of the header of a table, empty where there is none, and the place of its samples."""
 
     separator: str
     names: bytes
