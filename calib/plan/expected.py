@@ -89,7 +89,7 @@ def noise_of(densities: Mapping[str, float]) -> dict[str, NoiseLevel]:
     wheel = NoiseLevel(math.sqrt(2.0) * densities["omega"] * per_sample)
     channels = {f"omega_{w}": wheel for w in WHEELS}
     channels["a_x"] = NoiseLevel(G * densities["z"] * per_sample)
-    speed = densities["v"] * per_sample
+    speed = densities["v"] * per_sample  # 0 if no log has v
     return {**LEVELS, **channels, "v": NoiseLevel(speed) if speed else LEVELS["v"]}
 
 

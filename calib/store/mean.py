@@ -63,9 +63,8 @@ def mean_curves(tables: Sequence[Table]) -> tuple[dict[str, Any], RandomEffects]
     """Return the curves of a mean table by name, and the scatter of D."""
     differences = _on_common_axis(1.0, [[*vars(table.difference).values()] for table in tables])
     tyres = _on_common_axis(0.0, [[*vars(table.tyre).values()] for table in tables])
-    D_scatter, tyre_scatter = (
-        random_effects(curves.values, curves.per_run_variance) for curves in (differences, tyres)
-    )
+    D_scatter = random_effects(differences.values, differences.per_run_variance)
+    tyre_scatter = random_effects(tyres.values, tyres.per_run_variance)
     difference = DifferenceCurve(*_columns(differences, D_scatter))
     tyre = TyreCurve(*_columns(tyres, tyre_scatter))
     z = [np.interp(differences.axis, table.paper.eta, table.paper.z) for table in tables]

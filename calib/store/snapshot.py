@@ -85,7 +85,7 @@ class Snapshot:
         numbers = [*self.journal.versions(name), *taken_numbers(self.folder / name)]
         return 1 + max(numbers, default=0)
 
-    def find(self, reference: str, released: bool = False) -> Stored:
+    def find(self, reference: str, released: bool) -> Stored:
         """Read the version of a reference: a path, ``name@version`` or ``name``.
 
         A bare ``name`` is read as in `Store.load`; if ``released``, as in `Store.released`.

@@ -3,7 +3,7 @@
 scan ──> complete files ──> workers ──> journal, on the disk ──> on_row
 
 The folder is scanned again when all complete files are processed, every second if there are none.
-When there are none, and every 30 s, results.parquet is written.
+results.parquet is written when no complete file is left, and every 30 s while logs arrive.
 """
 
 import math
@@ -24,6 +24,7 @@ from calib.line.fleet.rows import Row, Status
 from calib.line.fleet.work import Job
 from calib.line.fleet.workers import Executor
 
+_PERIOD = 1.0  # time between two scans of a folder without complete files [s]
 _RETRY = 60.0
 """Time after which a log that could not be read, or killed its worker, is tried again [s]."""
 _MAX_DELAY = 30.0  # longest delay of the results file behind the journal while logs arrive [s]
@@ -70,21 +71,19 @@ def watch(
     out: Path,
     executor: Executor,
     stop: Event,
-    on_row: Callable[[Row], None] = lambda row: None,
-    on_error: Callable[[str], None] = lambda text: None,
+    on_row: Callable[[Row], None],
+    on_error: Callable[[str], None],
     *,
-    every: float = 1.0,
     settle: float = 2.0,
     clock: Callable[[], float] = time.monotonic,
 ) -> Counter[Status]:
     """Run the job on every log that appears in ``folder`` or below, until ``stop`` is set.
 
-    ``folder`` is scanned each ``every`` [s]; a log is complete after ``settle`` [s] without change.
-    It is repeated only if its digest changes, and its row stays if it is deleted. ``out`` has
-    journal and results.parquet as in `run_batch`; names of logs are paths within ``folder``.
-    ``on_row`` is called with each row when it is on the disk, ``on_error`` once with each folder
-    that cannot be read. ``clock`` gives the time [s]. Returns the number of rows by status. Raises
-    as `run_batch`.
+    A log is complete after ``settle`` [s] without change. It is repeated only if its digest
+    changes, and its row stays if the log is deleted. ``out`` has journal and results.parquet as in
+    `run_batch`; names of logs are paths within ``folder``. ``on_row`` is called with each row when
+    it is on the disk, ``on_error`` once with each folder that cannot be read. ``clock`` gives the
+    time [s]. Returns the number of rows by status. Raises as `run_batch`.
     """
     settings = {**job.settings(), "folder": printable(os.path.realpath(folder))}
     files, reported = _CompleteFiles(settle), set[str]()
@@ -110,7 +109,7 @@ def watch(
                     write_results(journal.rows(all_names), settings, out)
                 is_outdated, written_at = False, clock()
             if not ready:
-                stop.wait(every)
+                stop.wait(_PERIOD)
         return journal.counts()
 
 
