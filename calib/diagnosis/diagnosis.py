@@ -20,8 +20,8 @@ from calib.logs.log import Log
 from calib.logs.write import write_csv
 
 _DOCUMENT, _MODEL, _REPORT = "diagnosis.json", "model.toml", "report.html"
+# units of the fields that are ranges
 _RANGES = {"pressure": "Pa", "speed": "m/s", "temperature": "degC", "time": "s"}
-"""Units of the fields that are ranges; a tuple is written with its unit."""
 
 
 @dataclass(frozen=True)
@@ -62,47 +62,36 @@ class RunnerUp:
 
 @dataclass(frozen=True)
 class Named:
-    """An accepted effect, with its evidence.
-
-    ``indistinguishable_from`` are names that fit the logs as well, ``separate_by`` a drive that
-    would separate these.
-    """
+    """An accepted effect, with its evidence."""
 
     name: str
     parameters: dict[str, ParameterEstimate]
     where: Where
     evidence: Evidence
     runner_up: RunnerUp | None
-    indistinguishable_from: tuple[str, ...]
-    separate_by: str
+    indistinguishable_from: tuple[str, ...]  # effects that fit the logs as well
+    separate_by: str  # the drive that would separate these
 
 
 @dataclass(frozen=True)
 class Diagnosis(Viewable):
-    """The result of a diagnosis.
-
-    ``unexplained`` is None if nothing significant is left. ``replays_before`` and
-    ``replays_after`` are the hold-outs replayed open loop, without and with the effects;
-    ``reduced_before`` and ``reduced_after`` the mean squared innovations [1]. ``steps`` are the
-    names of the effects that the search accepted in turn, ``withdrawn`` those that fit the
-    calibration logs and not the hold-outs. ``warnings`` on the logs are not explained.
-    """
+    """The result of a diagnosis; ``_before`` is without, ``_after`` with the effects."""
 
     verdict: str
     effects: tuple[Named, ...]
-    unexplained: Unexplained | None
+    unexplained: Unexplained | None  # None if nothing significant is left
     base: dict[str, ParameterEstimate]
     gap: Gap
     model_before: Model
     model_after: Model
-    replays_before: tuple[Log, ...]
+    replays_before: tuple[Log, ...]  # hold-outs replayed open loop
     replays_after: tuple[Log, ...]
     measured: tuple[Log, ...]
-    reduced_before: float
+    reduced_before: float  # mean squared innovation [1]
     reduced_after: float
-    withdrawn: tuple[tuple[str, ...], ...]
-    steps: tuple[tuple[str, ...], ...]
-    warnings: tuple[PlausibilityWarning, ...]
+    withdrawn: tuple[tuple[str, ...], ...]  # effects that fit the calibration logs alone
+    steps: tuple[tuple[str, ...], ...]  # effects that the search accepted in turn
+    warnings: tuple[PlausibilityWarning, ...]  # on the logs, not explained
 
     def __repr__(self) -> str:
         names = ", ".join(effect.name for effect in self.effects)

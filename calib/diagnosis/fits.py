@@ -27,18 +27,14 @@ the base, since the linear model may be wrong by that."""
 
 @dataclass
 class Fits:
-    """Hypotheses of a ``problem`` that were ``fitted``, by their keys.
-
-    ``base`` is the fit without effects; ``densities`` are ln of the density of the ``holdouts``, by
-    key; ``attempts`` are pairs of keys, of a part of a hypothesis and of that hypothesis.
-    """
+    """All fits of a problem by the keys of their hypotheses."""
 
     problem: Problem
     holdouts: Problem
-    base: Fit = field(init=False)
+    base: Fit = field(init=False)  # without effects
     fitted: dict[object, Fit] = field(default_factory=dict)
-    densities: dict[object, float] = field(default_factory=dict)
-    attempts: set[object] = field(default_factory=set)
+    densities: dict[object, float] = field(default_factory=dict)  # ln of those of the hold-outs
+    attempts: set[object] = field(default_factory=set)  # pairs of keys: a part, and the hypothesis
 
     def __post_init__(self) -> None:
         self.base = fit_logs(self.problem, Hypothesis(), start_of(self.problem))

@@ -28,7 +28,7 @@ from calib.diagnosis.search import Search
 from calib.diagnosis.verdict import Verdict
 from calib.logs.log import Log
 
-_TESTS = {
+_TESTS = {  # drives that any proving ground can do; an application begins after 1 s
     # first speed [m/s], pressure [bar], its rise [bar/s], period of its applications [s]
     "coast down from 130 km/h": (36.0, 0.0, 1e9, 12.0),
     "coast down from 50 km/h": (14.0, 0.0, 1e9, 12.0),
@@ -37,7 +37,6 @@ _TESTS = {
     "hard stop at 45 bar from 120 km/h": (33.0, 45.0, 1e9, 12.0),
     "applications of 20 bar, 1 s on and 1 s off": (30.0, 20.0, 1e9, 2.0),
 }
-"""Drives that any proving ground can do; an application of the brakes begins after 1 s."""
 
 
 def _intervals(fit: Fit) -> list[tuple[Base, Effects]]:

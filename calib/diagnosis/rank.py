@@ -31,20 +31,20 @@ _LEAST, _MOST = 0.3, 4.0  # factors on the strength of a trial from which a fit 
 
 @dataclass(frozen=True)
 class Promise:
-    """A hypothesis, its evidence by the linear model, and the state from which it is fitted."""
+    """A hypothesis and its evidence by the linear model."""
 
     hypothesis: Hypothesis
     log_evidence: float
-    state: State
+    state: State  # from which it is fitted
 
 
 @dataclass(frozen=True)
 class Trial:
-    """An effect at a ``point`` of its x, and its ``changes`` of the innovations (n,) by log."""
+    """An effect, and how it changes the innovations of each log."""
 
     name: str
-    point: Array
-    changes: list[Array]
+    point: Array  # x of the effect
+    changes: list[Array]  # (n,)
 
 
 def trials(fit: Fit, names: Iterable[str] | None = None) -> list[Trial]:

@@ -48,15 +48,11 @@ _NEAR = 1.0  # step [standard deviations] after which the linear model holds
 
 @dataclass(frozen=True, eq=False)
 class Gap:
-    """Mean square of replay less measurement, over that of the noise, less 1, at least 0.
-
-    ``squares`` (2, logs, 6) are those before and after, that is without and with the effects, by
-    log and channel [1]; ``noise`` (6,) the standard deviations of the channels, in their units.
-    """
+    """Mean square of replay less measurement, over that of the noise, less 1, at least 0."""
 
     logs: tuple[str, ...]
-    noise: Array
-    squares: Array
+    noise: Array  # standard deviations of the channels, in their units (6,)
+    squares: Array  # without and with effects, by log and channel [1] (2, logs, 6)
 
     def rms(self, log: str | None = None, channel: str | None = None) -> tuple[float, float]:
         """Rms before and after in units of the noise, of one log or all, one channel or all."""
@@ -159,20 +155,14 @@ def model_of(vehicle: Vehicle, base: Base, effects: Effects) -> Model:
 
 @dataclass(frozen=True)
 class Replayed:
-    """A ``fit``, and the replays of the hold-outs by it.
-
-    A simulation has no tyre discrepancies: ``simulated`` is the same hypothesis without them,
-    ``base`` the fit without effects. ``random_effects`` (runs, 8) are those of the hold-outs.
-    ``base_logs`` are replays of the base with the same pads and roads, so that effects alone make
-    the difference.
-    """
+    """A fit and its replays of the hold-outs, beside replays without effects."""
 
     fit: Fit
-    simulated: Fit
-    base: Fit
-    random_effects: Array
-    base_logs: tuple[Log, ...]
-    logs: tuple[Log, ...]
+    simulated: Fit  # the same hypothesis without tyre discrepancies, which no simulation has
+    base: Fit  # without effects and discrepancies
+    random_effects: Array  # of the hold-outs (runs, 8)
+    base_logs: tuple[Log, ...]  # replays of the base with the same random effects
+    logs: tuple[Log, ...]  # replays of ``simulated``
 
 
 def replayed(holdouts: HoldOuts, fit: Fit, base: Fit | None) -> Replayed:

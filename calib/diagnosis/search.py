@@ -55,24 +55,19 @@ def run_search(problem: Problem, holdout: Sequence[Log]) -> "Search":
 
 @dataclass
 class Search:
-    """The course of a search from ``base``, the fit without effects, to the ``best`` fit.
-
-    ``fits`` has all that was fitted; ``first`` and ``further`` are trials of effects at the base
-    and at the best fit; ``rivals`` are fits that no log rules out. ``accepted`` are the replays of
-    each fit that was the best in turn, ``steps`` the names of the effects of each; ``withdrawn``
-    the names of fits that the hold-outs speak against, by keys.
-    """
+    """The course of a search from the fit without effects to the best fit."""
 
     problem: Problem
     holdouts: HoldOuts
-    base: Fit = field(init=False)
+    base: Fit = field(init=False)  # without effects
     best: Fit = field(init=False)
     fits: Fits = field(init=False)
-    first: list[Trial] = field(init=False)
-    further: list[Trial] = field(init=False)
-    rivals: tuple[Fit, ...] = ()
-    steps: list[tuple[str, ...]] = field(default_factory=lambda: [()])
-    accepted: list[Replayed] = field(default_factory=list)
+    first: list[Trial] = field(init=False)  # of effects beside the base
+    further: list[Trial] = field(init=False)  # of effects beside the best fit
+    rivals: tuple[Fit, ...] = ()  # that no log rules out
+    steps: list[tuple[str, ...]] = field(default_factory=lambda: [()])  # effects of each best fit
+    accepted: list[Replayed] = field(default_factory=list)  # replays of each best fit
+    # effects of fits that the hold-outs speak against, by key
     withdrawn: dict[object, tuple[str, ...]] = field(default_factory=dict)
 
     def run(self) -> None:

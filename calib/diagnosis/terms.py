@@ -29,7 +29,6 @@ _BASIC = tuple(place for place in PLACES if place != "brakes")  # places that ar
 _KNOTS = 20  # number of knots of a driver
 _WALKS = {True: (0.003, 0.01, 0.03, 0.1), False: (0.0003, 0.001, 0.003, 0.01)}
 """Standard deviations of an increment [1]: of a brake torque, and of a force over the weight."""
-
 _PULSE = 0.1  # half the width of a triangular pulse, and the distance from pulse to pulse [s]
 _APART = 10  # distance of two pulses that are tried together [pulses]
 _BEFORE, _AFTER = 0.3, 0.7  # times [s] around the middle of a pulse in which innovations change
@@ -40,11 +39,11 @@ PLAIN = 0.03  # share of the gain of a term by which a term of one number may ga
 
 @dataclass(frozen=True)
 class Ranked:
-    """A random walk, its values by the linear model, and its gain of ln of the evidence."""
+    """A random walk by the linear model."""
 
     walk: Walk
-    values: Array
-    log_gain: float
+    values: Array  # at the knots
+    log_gain: float  # of ln of the evidence
 
 
 def ranked_terms(fit: Fit) -> list[Ranked]:

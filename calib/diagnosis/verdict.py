@@ -31,16 +31,14 @@ from calib.diagnosis.terms import PLAIN, Ranked, ranked_terms, with_terms
 
 NO_GAP, NAMED, AMBIGUOUS, UNKNOWN = "no_gap", "named", "ambiguous", "unknown"
 
+WHEEL_ANGLE, FREQUENCY, SLIP = "wheel_angle", "frequency", "slip"  # drivers that no term has
+
 _STRANGE = 8.0  # scatters of the mean squared innovation from which something is surely left
 _CLOSED = 0.75  # share of gap and excess that effects must close if they leave something
 _FAR = 3.0
-"""Gap of the replays, in units of the noise, from which something is left beside named effects,
-whatever innovations of one step show; twice that if nothing is named. With nothing hidden the
-errors of the parameters leave up to 4.2, on a plant with other tyre curves than here; see
-tests/studies/naming.py."""
-
-WHEEL_ANGLE, FREQUENCY, SLIP = "wheel_angle", "frequency", "slip"  # drivers that no term has
-
+"""Gap of the replays, in units of the noise, from which something is left beside named effects;
+twice that if nothing is named. With nothing hidden the errors of the parameters leave up to 4.2, on
+a plant with other tyre curves than here; see tests/studies/naming.py."""
 _HARMONICS = (1, 2)  # of the wheel's turn; run-out and uneven spacing show in the first ones
 _HELD = 0.5  # relative slope d ln(torque)/d ln(pressure) below which a torque is held [1]
 _ONE_SIDED = 0.3  # share of the excess that one wheel must take to be named
@@ -56,15 +54,12 @@ that of a lag, is in all lines; a swing of 0.5 Hz or more has at most a fifth at
 
 @dataclass(frozen=True)
 class Verdict:
-    """Result of a ``search``: replays ``after`` by the best fit, and ``rivals`` that are as likely.
-
-    ``term`` is the best fit with the best empirical term, or None if nothing is left.
-    """
+    """Result of a search."""
 
     search: Search
-    after: Replayed
-    rivals: tuple[Fit, ...]
-    term: Fit | None
+    after: Replayed  # by the best fit
+    rivals: tuple[Fit, ...]  # as likely as the best fit
+    term: Fit | None  # the best fit with an empirical term, or None if nothing is left
 
     @property
     def best(self) -> Fit:
@@ -135,39 +130,31 @@ def _remaining_terms(search: Search, fit: Fit, terms: Sequence[Ranked]) -> list[
 
 @dataclass(frozen=True)
 class Oscillation:
-    """The strongest line of the spectrum of what is left.
+    """The strongest line of the spectrum of what is left."""
 
-    ``share`` of the excess [1] swings at ``frequency`` [Hz]; 0 if no line stands out. ``body`` says
-    whether most of the swing is in a_x and v, so that the car as a whole swings.
-    """
-
-    frequency: float
-    share: float
-    body: bool
+    frequency: float  # [Hz], 0 if no line stands out
+    share: float  # of the excess that swings [1]
+    body: bool  # whether most of the swing is in a_x and v, so that the car as a whole swings
 
 
 @dataclass(frozen=True)
 class Unexplained:
-    """The empirical ``term`` that explains most of what is left, and where and how it acts.
+    """What is left, with the empirical term that explains most of it.
 
-    ``explained`` is the share of the excess that the term takes, at most 1; ``turning`` the share
-    that goes with the angle of the wheels. ``driver`` is the variable with the largest share: that
-    of the term, `WHEEL_ANGLE`, or `FREQUENCY` for the ``oscillation``. It is `SLIP` if the torque
-    of front brakes is held, which no valve does. ``place`` is one of `PLACES`. ``held_from`` is the
-    pressure from which a brake torque is held [Pa]. ``size`` is the rms of the gap that replays
-    leave without the term, over the noise of the sensors [1]. ``wheel`` is one that is always
-    slower than the other wheel of the axle, if that is much of the excess.
+    ``driver`` is the variable with the largest share of the excess: that of the term,
+    `WHEEL_ANGLE`, or `FREQUENCY` for the oscillation. It is `SLIP` if the torque of front brakes is
+    held, which no valve does.
     """
 
-    place: str
+    place: str  # one of `PLACES`
     axle: str
-    wheel: str | None
+    wheel: str | None  # one that is always slower than the other of the axle, by much of the excess
     driver: str
-    size: float
-    explained: float
-    turning: float
+    size: float  # rms of the gap that replays leave without the term, over the noise [1]
+    explained: float  # share of the excess that the term takes, at most 1
+    turning: float  # share of the excess that goes with the angle of the wheels [1]
     oscillation: Oscillation
-    held_from: float | None
+    held_from: float | None  # pressure from which a brake torque is held [Pa]
     term: EmpiricalTerm
 
 

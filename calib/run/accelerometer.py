@@ -36,45 +36,35 @@ from calib.run.speed_delay import CHANGING, EVEN, ODDS_ROAD
 _PRESENT, _ABSENT = np.array([0.03, 0.05, 0.03]), np.array([0.0015, 0.002, 0.002])
 """Sigma of bias, grade and drag [g], present and absent. A mounting 2 degrees off makes 0.035 g, a
 road of 4 % 0.04 g, a mountain road 0.15 g, an engine in gear at 2000 rpm 0.02 to 0.05 g."""
-
-_ODDS = np.array([0.15, 0.3, 0.15, ODDS_ROAD[1]])
-"""Prior probability of a bias, a grade, a drag and a walk."""
-
+_ODDS = np.array([0.15, 0.3, 0.15, ODDS_ROAD[1]])  # prior chances of bias, grade, drag and walk
 _OTHER_SCALE, _ODDS_OTHER = 0.3, 3e-4
 """Sigma of c where a unit, a clock or a filter is wrong, and how often one is: knots taken for m/s
 make 49 %, a clock of 110 Hz taken for 100 makes 10 %. A well-known c is then no sensor's from 9 %
 on, 4.6 sigma of a sensor."""
-
 _ROLLING, _DRAG, _RESISTS = 0.011, 2.7e-5, 0.3
 """Resistance of a usual car over its weight: rolling [1], and by the speed squared [s^2/m^2] of
 0.66 m^2 and 1500 kg; their relative standard deviation [1]."""
-
 _LAG = 0.02  # sigma of the lag between v and a_x [s]; `calib.plausibility` looks for larger ones
 _SECOND = 1.0  # time over which a_x and v are averaged [s]: the noise of v is then 0.002 g
 _MULTIPLE = 4  # the number of compared blocks is a multiple of this: 0.2 s
-
 _CASES = np.array(list(product((False, True), repeat=4)))
 """Whether bias, grade, drag and a walk are present (16, 4); every second case has a walk."""
-
 _SENSED = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 1.0, 0.0], [0.0, 1.0, 0.0, 1.0]])
 """From the causes (c, bias, grade, drag) to what is measured: (c, bias + grade, bias + drag)."""
 
 
 @dataclass(frozen=True)
 class Accelerometer:
-    """Scale c [1] and offset ``bias`` [g] from a whole run; ``drag`` [g] beside the known one.
+    """Scale and offset of the accelerometer from a whole run."""
 
-    ``walk_probability`` is that of a grade that walks [1]; ``disagreement`` see `_disagreement`.
-    """
-
-    scale: float
-    bias: float
+    scale: float  # c [1]
+    bias: float  # [g]
     variance_scale: float
     variance_bias: float
     covariance: float
-    drag: float
-    walk_probability: float
-    disagreement: float
+    drag: float  # beside the known resistance [g]
+    walk_probability: float  # of a grade that walks [1]
+    disagreement: float  # `_disagreement` [g]
 
     def corrected(self, z: Array) -> Array:
         """Deceleration [1] that the tyres feel, from z [1] as read, (k,)."""
@@ -87,29 +77,21 @@ class Accelerometer:
 
 
 class _AgainstSpeed(NamedTuple):
-    """Normal equations of (c, e = bias + grade, d = bias + drag) from v, the lag eliminated.
+    """Normal equations of (c, e = bias + grade, d = bias + drag) from v, the lag eliminated."""
 
-    ``precision`` (3, 3) and ``vector`` (3,) are 0 for d. ``likelihood`` is its logarithm at
-    c = e = d = 0, up to a constant.
-    """
-
-    precision: Array
-    vector: Array
-    likelihood: float
+    precision: Array  # (3, 3), 0 for d
+    vector: Array  # (3,), 0 for d
+    likelihood: float  # ln of the likelihood at c = e = d = 0, up to a constant
 
 
 @dataclass(frozen=True)
 class SpeedEvidence:
-    """What v shows of the accelerometer, whatever the resistance of the car.
-
-    ``grades`` holds the evidence with a steady grade, and that with a walk, of the first ``last``
-    blocks; ``density_z`` is the noise of z [s^0.5].
-    """
+    """What v shows of the accelerometer, whatever the resistance of the car."""
 
     blocks: Blocks
-    last: int
-    density_z: float
-    grades: tuple[_AgainstSpeed, ...]
+    last: int  # number of blocks that are compared
+    density_z: float  # noise of z [s^0.5]
+    grades: tuple[_AgainstSpeed, ...]  # the evidence with a steady grade, and with a walk
 
 
 def speed_evidence(

@@ -28,7 +28,6 @@ from calib.run.speed_delay import IN_TIME, SpeedDelay, in_time, speed_delay
 _HELD = 0.06
 """Longest time between two values of v [s] for which v is used. A 10 Hz satellite receiver, whose
 value is held in between, is late by half its step, and its steps are 1 % of the speed."""
-
 _SLOWING = 1.0  # deceleration at which a speed changes from sample to sample [m/s^2]
 _SHORT = 0.05  # width of the means of pressure and eta by which the lead-in is judged [s]
 _DISTURBED = 4.0
@@ -42,22 +41,19 @@ _LAST = 0.5  # end of a lead-in that gives the usual eta [s]; shorter lead-ins a
 class AxleSignals:
     """Signals by axle, shapes (n,), SI.
 
-    ``p_f``, ``p_r`` are pressures, of the wheels where logged, else of the master cylinder;
-    ``drive_f``, ``drive_r`` torques of engine or motor [N m per axle], zero where not logged. ``z``
-    is the deceleration (5). ``v`` is the reference speed, its delay corrected; None if ``v`` is not
-    logged, held for longer than `_HELD`, or late by an uncertain time. ``speed`` is v, or the speed
-    of the rear wheels without v.
+    ``v`` is the reference speed, its delay corrected. It is None if not logged, held for longer
+    than `_HELD`, or late by an uncertain time.
     """
 
-    p_f: Array
+    p_f: Array  # pressure of the wheels if logged, else of the master cylinder [Pa]
     p_r: Array
-    drive_f: Array
+    drive_f: Array  # torque of engine or motor at the axle, zero if not logged [N m]
     drive_r: Array
-    z: Array
+    z: Array  # deceleration (5) [1]
     omega_f: Array
     omega_r: Array
     v: Array | None
-    speed: Array
+    speed: Array  # v, or without v that of the rear wheels [m/s]
     lead_in: Mask
 
 

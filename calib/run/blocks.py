@@ -18,23 +18,18 @@ from calib.logs.log import Log
 from calib.run.axle_signals import AxleSignals, Signals, axle_pressure, eta_of
 from calib.run.filters import block_mean
 
-BLOCK = 0.05
-"""Length of a block [s]: ten samples at 200 Hz, short compared with a brake application (0.2 s)."""
+BLOCK = 0.05  # length of a block [s]: short compared with a brake application (0.2 s)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Blocks(AxleSignals):
-    """Means over blocks of ``samples`` each, shapes (k,), SI.
+    """Means over blocks of equal length, shapes (k,), SI."""
 
-    ``end`` is the time of the last sample of each block [s]; ``spin_f``, ``spin_r`` are d omega/dt
-    from the block before [rad/s^2]; ``length`` is that of a block [s].
-    """
-
-    end: Array
-    spin_f: Array
+    end: Array  # time of the last sample of each block [s]
+    spin_f: Array  # d omega/dt from the block before [rad/s^2]
     spin_r: Array
-    samples: int
-    length: float
+    samples: int  # of a block
+    length: float  # of a block [s]
 
     @property
     def eta(self) -> Array:

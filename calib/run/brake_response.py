@@ -69,15 +69,11 @@ _LEVEL, _TREND, _BRAKED, _REST, _FADES, _DELAY, _WIDER = range(7)
 
 
 class _ForceStep(NamedTuple):
-    """Largest step of the braking force that the pressure does not make, at ``time`` [s].
+    """Largest step of the braking force that the pressure does not make."""
 
-    ``share`` is the step over the usual brake force [1], positive if the car brakes more after the
-    step; ``sigma`` is the scatter of such steps in the run [1].
-    """
-
-    time: float = 0.0
-    share: float = 0.0
-    sigma: float = 1.0
+    time: float = 0.0  # [s]
+    share: float = 0.0  # over the usual brake force [1], positive if the car brakes more after it
+    sigma: float = 1.0  # scatter of such steps in the run [1]
 
 
 _NO_STEP = _ForceStep()
@@ -85,35 +81,29 @@ _NO_STEP = _ForceStep()
 
 @dataclass(frozen=True)
 class BrakeResponse:
-    """Delay of the brakes [s] and force without pressure, each with its standard deviation.
+    """Delay of the brakes and force without pressure, each with its standard deviation.
 
-    ``level`` is that of the pads over nominal ones [1]; ``delay`` is positive if the deceleration
-    comes after the pressure; ``share`` is the force, and ``fading`` the fading force, over the
-    usual (median) demanded brake force [1]. ``fading_sigma`` is `_FADING` without a handover.
+    Forces are over the usual (median) demanded brake force [1].
     """
 
-    level: float
-    delay: float
+    level: float  # of the pads over nominal ones [1]
+    delay: float  # of the deceleration after the pressure [s]
     delay_sigma: float
-    share: float
+    share: float  # ``force`` of the head of the file
     share_sigma: float
     fading: float = 0.0
-    fading_sigma: float = _FADING
+    fading_sigma: float = _FADING  # this prior if no motor hands over
     force_step: _ForceStep = _NO_STEP
 
 
 @dataclass(frozen=True)
 class BrakeBalance:
-    """Forces of a run [N], shapes (n,).
+    """Forces of a run [N], shapes (n,)."""
 
-    ``nominal_f``, ``nominal_r`` are the brake forces of nominal pads, ``balance`` all other forces;
-    ``active`` is true where the pads bite, after the lead-in.
-    """
-
-    nominal_f: Array
+    nominal_f: Array  # brake force of nominal pads
     nominal_r: Array
-    balance: ForceBalance
-    active: Mask
+    balance: ForceBalance  # all other forces
+    active: Mask  # the pads bite, after the lead-in
 
 
 def brake_balance(car: Vehicle, effects: Effects, s: Signals) -> BrakeBalance:
@@ -131,19 +121,15 @@ def brake_balance(car: Vehicle, effects: Effects, s: Signals) -> BrakeBalance:
 
 @dataclass(frozen=True)
 class _Means:
-    """Means of a run over ``step`` [s], (k,), compared where ``inside`` is true; forces in N.
-
-    ``nominal`` is the brake force of nominal pads, ``demanded`` that by the deceleration;
-    ``braked`` and ``slow`` [1] are those of the head of the file.
-    """
+    """Means of a run over ``step`` [s], shapes (k,)."""
 
     step: float
-    time: Array
-    nominal: Array
-    demanded: Array
-    braked: Array
-    slow: Array
-    inside: Mask
+    time: Array  # [s]
+    nominal: Array  # brake force of nominal pads [N]
+    demanded: Array  # brake force by the deceleration [N]
+    braked: Array  # of the head of the file [1]
+    slow: Array  # of the head of the file [1]
+    inside: Mask  # the mean is used
 
     @classmethod
     def of_run(cls, s: Signals, forces: BrakeBalance) -> "_Means":

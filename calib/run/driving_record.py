@@ -24,7 +24,6 @@ ROLLING_Z = 0.15  # largest deceleration of a car that rolls unbraked [g]
 DRIVEN_Z = 0.05
 """Acceleration [g] beyond which the engine drives the car, so that the slip of the driven wheels
 shows in eta. A slope is not felt by the accelerometer, and its bias is smaller."""
-
 GREATEST_Z = 1.5  # deceleration that no road car reaches [g]: beyond it a_x has a glitch
 _SHORTEST = 0.3  # shortest brake event [s]
 _PAUSE = 0.2  # shortest release of the brakes that ends an event [s]
@@ -44,23 +43,17 @@ def is_rolling(z: Array) -> Mask:
 
 @dataclass(frozen=True)
 class DrivingRecord:
-    """Smoothed signals of a log, shapes (n,), SI; ``step`` is the sample time.
-
-    ``wheel`` is the mean of the four wheel speeds. ``speed`` is the reference speed, or the wheels'
-    speed at `NOMINAL_RADIUS` if ``v`` is not logged. The deceleration [1] is ``z`` by ``a_x``, and
-    ``wheel_z`` by the wheels at `NOMINAL_RADIUS`. ``braked`` is true in the brake events,
-    ``before_braking`` until `SETTLE` before the first event.
-    """
+    """Smoothed signals of a log, shapes (n,), SI."""
 
     time: Array
-    step: float
-    wheel: Array
-    speed: Array
-    z: Array
-    wheel_z: Array
+    step: float  # sample time
+    wheel: Array  # mean of the four wheel speeds
+    speed: Array  # v, or if not logged that of the wheels at `NOMINAL_RADIUS`
+    z: Array  # deceleration by a_x [1]
+    wheel_z: Array  # deceleration by the wheels at `NOMINAL_RADIUS` [1]
     pressure: Array | None
-    braked: Mask
-    before_braking: Mask
+    braked: Mask  # in a brake event
+    before_braking: Mask  # until `SETTLE` before the first event
 
     @cached_property
     def moving(self) -> Mask:
@@ -77,25 +70,19 @@ class DrivingRecord:
 
 @dataclass(frozen=True)
 class BrakeEvent:
-    """One application of the brakes; times in s, speeds in m/s, decelerations in g.
-
-    ``first_sample`` is the index of its first sample; ``pressure`` the highest one [Pa] or None if
-    not logged; ``z_low`` to ``z_high`` the range of the deceleration; ``braking_time`` the time
-    above `MOVING`; ``rise_time`` the length of the longest steady rise, ``rise_z`` the range of the
-    deceleration in that rise.
-    """
+    """One application of the brakes; times in s, speeds in m/s, decelerations in g."""
 
     start: float
     end: float
     first_sample: int
-    pressure: float | None
+    pressure: float | None  # highest [Pa]; None if not logged
     z_low: float
     z_high: float
     speed_start: float
     speed_end: float
-    braking_time: float
-    rise_time: float
-    rise_z: float
+    braking_time: float  # above `MOVING`
+    rise_time: float  # of the longest steady rise
+    rise_z: float  # range of the deceleration in that rise
 
 
 def driving_record(log: Log) -> DrivingRecord:
@@ -175,17 +162,13 @@ def _steady_rise(driving: DrivingRecord, part: slice) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class Sampling:
-    """Clock of a log: number of ``samples``, ``duration`` [s] and mean ``rate`` [Hz].
-
-    ``jitter`` is the root mean square deviation of the steps from their mean, without gaps [s];
-    ``gaps`` are pairs of start and length [s].
-    """
+    """Clock of a log."""
 
     samples: int
-    duration: float
-    rate: float
-    jitter: float
-    gaps: tuple[tuple[float, float], ...]
+    duration: float  # [s]
+    rate: float  # mean [Hz]
+    jitter: float  # root mean square deviation of the steps from their mean, without gaps [s]
+    gaps: tuple[tuple[float, float], ...]  # start and length of each [s]
 
 
 def sampling_of(time: Array) -> Sampling:

@@ -27,29 +27,25 @@ from calib.logs.log import Log
 from calib.run.driving_record import DrivingRecord
 from calib.run.wheels import HIGH, LOW, IntervalEstimate, half_width, wheel_means
 
-_PARTS = np.array([[1, 1, -1, -1], [1, -1, 1, -1], [1, -1, -1, 1]]) / 2.0
-"""Coefficients of E, L and X over the wheels fl, fr, rl, rr."""
+_PARTS = np.array([[1, 1, -1, -1], [1, -1, 1, -1], [1, -1, -1, 1]]) / 2.0  # of E, L and X
 
 
 @dataclass(frozen=True)
 class WheelParts:
-    """E, L and X of the change by braking [1]; ``z`` mean deceleration of that braking [1]."""
+    """The parts of the change by braking [1], and the mean deceleration of that braking [1]."""
 
-    axles: IntervalEstimate
-    sides: IntervalEstimate
-    diagonals: IntervalEstimate
+    axles: IntervalEstimate  # E
+    sides: IntervalEstimate  # L
+    diagonals: IntervalEstimate  # X
     z: float
 
 
 class _Crossed(NamedTuple):
-    """A front and a rear wheel whose columns are exchanged.
-
-    ``part`` is the X or L that shows the exchange [1]; ``slipping`` the wheels that slip more.
-    """
+    """A front and a rear wheel whose columns are exchanged."""
 
     wheels: tuple[str, str]
-    part: float
-    slipping: str
+    part: float  # the X or L that shows the exchange [1]
+    slipping: str  # the two wheels that slip more, as text
 
     def __str__(self) -> str:
         front, rear = self.wheels

@@ -44,16 +44,11 @@ _HEAT_ITERATIONS = 3  # friction and heat depend on each other; three are enough
 
 @dataclass(frozen=True)
 class CorrectedRun:
-    """A run as the car would have given it without the effects.
+    """A run as the car would have given it without the effects."""
 
-    ``vehicle`` is the car as driven, with the effects of the balance of forces alone. ``log`` has
-    the true ``a_x``, and wheel pressures where an effect on the brakes is known. ``factor_f`` and
-    ``factor_r`` (n,) are the factors by which the effects change the pad friction.
-    """
-
-    vehicle: Vehicle
-    log: Log
-    factor_f: Array
+    vehicle: Vehicle  # as driven, with the effects of the balance of forces alone
+    log: Log  # with the true a_x, and wheel pressures if an effect on the brakes is known
+    factor_f: Array  # factor (n,) by which the effects change the pad friction
     factor_r: Array
 
     def take(self, rows: Index) -> "CorrectedRun":

@@ -22,25 +22,19 @@ from calib.run.axle_signals import Signals
 from calib.run.blocks import Blocks
 from calib.run.filters import block_mean, samples_in
 
+# lower bounds of the noise densities: no sensor on a car is better, but a simulation may be
 _NOISE_FLOOR = {"omega": 3e-4, "z": 1e-4, "v": 3e-4}
-"""Lower bounds of the noise densities: no sensor on a car is better, but a simulation may be."""
-
 _GROUP = 0.2  # length of the means in which the correlation of noise is seen [s]
 
 
 @dataclass(frozen=True)
 class SensorNoise:
-    """Long-run noise density of the sensors: a mean over T [s] has sd density/sqrt(T).
+    """Long-run noise density of the sensors: a mean over T [s] has sd density/sqrt(T)."""
 
-    ``omega`` [rad/s s^0.5] is that of the mean wheel speed of an axle, ``z`` [s^0.5] and ``v``
-    [m/s s^0.5] those of deceleration and reference speed. ``omega_white`` [rad/s] is the standard
-    deviation of the white part of the mean wheel speed of an axle.
-    """
-
-    omega: float
-    z: float
-    v: float
-    omega_white: float
+    omega: float  # of the mean wheel speed of an axle [rad/s s^0.5]
+    z: float  # of the deceleration [s^0.5]
+    v: float  # of the reference speed [m/s s^0.5]
+    omega_white: float  # sd of the white part of the mean wheel speed of an axle [rad/s]
 
 
 def worst_noise(noises: list[SensorNoise]) -> SensorNoise:
@@ -83,7 +77,6 @@ def _rms(x: list[float]) -> float:
 _COLOUR = {"omega": 1.5, "z": 2.0, "v": 1.0}
 """Assumed ratio of long-run to white noise if a run is too short to measure it [1]. The available
 logs have 0.8 to 2.5 for omega, 1.5 to 4 for z (both from road excitation), and 1 for v."""
-
 _FEW = 10  # samples of a lead-in that are too few: half of the estimates would be 25 % off
 
 
@@ -150,7 +143,6 @@ WALK = 1.2e-5
 five minutes gains 0.1 % of radius, 3e-6 a second. With r = 4e-5 s^0.5 of usual wheel speeds tau is
 3 s: the zero lags by 1e-5 and has noise of 2e-5. A q that makes 0.1 % in five minutes would forget
 a lead-in within half a second: over seconds a warming tyre is steadier than a walk."""
-
 _OLDEST = 12.0  # age over tau from which a sample has no weight instead of exp(-12) = 6e-6
 
 

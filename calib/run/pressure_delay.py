@@ -49,18 +49,13 @@ _GROUPS = (4, 8)  # samples of the means that show how residuals are correlated,
 
 @dataclass(frozen=True)
 class PressureDelay:
-    """Time by which the deceleration comes after the pressure [s], negative where p is late.
+    """Time by which the deceleration comes after the pressure [s], negative where p is late."""
 
-    ``value`` is the median, ``low`` and ``high`` are the 2 and 98 % quantiles. ``explained`` is the
-    share of the variance of z that the pressure explains [1], ``explained_in_time`` that with the
-    best delay that brakes may have.
-    """
-
-    value: float
-    low: float
-    high: float
-    explained: float
-    explained_in_time: float
+    value: float  # median
+    low: float  # 2 % quantile
+    high: float  # 98 % quantile
+    explained: float  # share of the variance of z that the pressure explains [1]
+    explained_in_time: float  # the same with the best delay that brakes may have [1]
 
     @property
     def least(self) -> float:

@@ -31,15 +31,11 @@ _FIXED = 0.02  # sigma of a value of the vehicle file over that of the prior: ke
 
 @dataclass(frozen=True)
 class Resistance:
-    """All known ``effects`` on body and wheels, with the estimated drag and rolling resistance.
+    """Drag and rolling resistance, estimated or of the vehicle file."""
 
-    ``covariance`` is that of drag area [m^2] and rolling coefficient [1], (2, 2); ``specified``
-    says whether the vehicle file gave both.
-    """
-
-    effects: Effects
-    covariance: tuple[tuple[float, ...], ...]
-    specified: bool = False
+    effects: Effects  # all known ones on body and wheels, drag and rolling resistance among them
+    covariance: tuple[tuple[float, ...], ...]  # of drag area [m^2] and coefficient [1], (2, 2)
+    specified: bool = False  # whether the vehicle file gave both
 
     @property
     def mean(self) -> tuple[float, float]:

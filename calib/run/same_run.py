@@ -36,17 +36,16 @@ VERSION = 1
 _FINE = 0.25  # unit of the whole numbers over the noise [1]: rounding adds 0.3 % to its square
 _MOST = 2.0**40  # largest whole number of a channel that has no noise
 
-_View = dict[str, Array]
-"""Means of the channels [SI], and under ``wheels`` the mean of the four wheel speeds."""
+_View = dict[str, Array]  # means of the channels [SI]; ``wheels`` is that of the four wheel speeds
 
 
 @dataclass(frozen=True)
 class _FingerprintChannel:
-    """A channel as whole multiples of ``unit`` [SI]; their second ``differences`` as text."""
+    """A channel as whole multiples of a unit."""
 
     name: str
-    unit: float
-    differences: str
+    unit: float  # [SI]
+    differences: str  # second differences of the multiples, as text
 
 
 @dataclass(frozen=True)
@@ -241,17 +240,13 @@ def refuse_copy(log: Log, fitted: Sequence[Log], held_out: Sequence[Log] | None 
 
     With ``held_out``, which may be empty, the log itself is held out.
     """
-    for original in fitted:
-        if not same_run(original, log):
-            continue
-        if held_out is None:
-            raise _copied(log, original, "given twice", "give each run once")
+    if held_out is None:
+        candidates = [(original, "given twice", "give each run once") for original in fitted]
+    else:
         reason = "which is among the calibration logs: it is no hold-out and proves nothing"
-        raise _copied(log, original, reason, "hold out a run of its own")
-    for original in () if held_out is None else held_out:
+        candidates = [(original, reason, "hold out a run of its own") for original in fitted]
+        candidates += [(other, "held out twice", "give each run once") for other in held_out]
+    for original, reason, do in candidates:
         if same_run(original, log):
-            raise _copied(log, original, "held out twice", "give each run once")
-
-
-def _copied(log: Log, original: Log, reason: str, do: str) -> LogError:
-    return LogError(f"the same run as {original.source}, {reason}", where=log.source, do=do)
+            text = f"the same run as {original.source}, {reason}"
+            raise LogError(text, where=log.source, do=do)

@@ -12,8 +12,7 @@ from calib.logs.log import Log
 from calib.run.driving_record import SMOOTHING, DrivingRecord
 from calib.run.filters import true_intervals
 
-_RESTING = ("T_drive_f", "T_drive_r")
-"""Channels that rest at their highest value: a motor that only brakes has no positive torque."""
+_RESTING = ("T_drive_f", "T_drive_r")  # at rest at the highest value if a motor only brakes
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -89,8 +88,8 @@ class Sensor:
         return _saturation(-x if name == "a_x" else x, self.log.sample_time)
 
 
+# properties of a `Sensor` that a JSON document has
 FIGURES = ("channel", "low", "high", "resolution", "noise", "flat", "stuck", "saturated")
-"""Properties of a `Sensor` that a JSON document has."""
 
 
 def sensors_of(log: Log, driving: DrivingRecord | None) -> tuple[Sensor, ...]:

@@ -30,22 +30,16 @@ USUAL = 0.02  # standard deviation of the delay of a v in time [s]
 _LATEST = 0.5
 """Greatest delay that is tried [s]: slow filters have more than the 0.3 s of receivers. v within
 this time of the start may be from before the log, and is not compared."""
-
 _ODDS = 0.05  # prior odds of a late v: few take v from a receiver
 _SCALE = 0.05  # sigma of the scale c [1]: wider than a sensor's, so no delay explains a wrong scale
-
 EVEN, CHANGING = 0.0002, 0.015
 """Random walk of the grade on an even and on a changing road [g/s^0.5]: tracks are even to 1 mm in
 2 m; a crest of 6 km radius changes the grade by 0.005 a second at 30 m/s, a bridge by 0.02."""
-
-ODDS_ROAD = np.array([0.97, 0.03])
-"""Prior probability of an even and a changing road: roads are chosen for such runs."""
-
+ODDS_ROAD = np.array([0.97, 0.03])  # prior chances of an even and a changing road
 _BRAKES = 1.5  # least deceleration that shows a delay [m/s^2]
 _LIKELY = 0.3  # probability of a late v from which v is not used as read
 _SURE = 0.95  # probability of a late v from which the delay is corrected
 _STEP = 0.01  # step of the delays that are tried [s]: half of `_SHARP`
-
 _SHARP = 0.02
 """Standard deviation of a delay [s] from which v is left out instead of shifted: at 0.5 g it makes
 0.1 m/s, a tenth of the slip."""
@@ -111,22 +105,16 @@ def in_time(time: Array, v: Array, a_x: Array, delay: SpeedDelay) -> Array:
 
 @dataclass(frozen=True)
 class _DelayEvidence:
-    """Block means of v, to be compared with those of the integral of a_x at a delay.
+    """Block means of v, to be compared with those of the integral of a_x at a delay."""
 
-    ``gained`` is the integral of a_x [m/s] at ``time`` [s] (n,); ``v`` are means (k,) over blocks
-    of ``size`` samples and ``length`` [s]. ``noise`` holds the variance of a mean of v and that of
-    the integral's growth over a block [m^2/s^2]; the grade of the road walks by ``grade_walk``
-    [g/s^0.5]. Second differences are compared where ``usable`` (k - 2,).
-    """
-
-    time: Array
-    gained: Array
-    v: Array
-    usable: Mask
-    size: int
-    length: float
-    noise: tuple[float, float]
-    grade_walk: float = EVEN
+    time: Array  # [s] (n,)
+    gained: Array  # integral of a_x [m/s] (n,)
+    v: Array  # block means [m/s] (k,)
+    usable: Mask  # where second differences are compared (k - 2,)
+    size: int  # of a block [samples]
+    length: float  # of a block [s]
+    noise: tuple[float, float]  # variances of v and of the growth of the integral [m^2/s^2]
+    grade_walk: float = EVEN  # random walk of the road's grade [g/s^0.5]
 
     @classmethod
     def from_signals(

@@ -92,25 +92,18 @@ def _ratios(a: Array, b: Array, mask: Mask, step: float) -> Array:
 class Axles:
     """Comparison of the wheels; a field is None where its part of the log is too short.
 
-    Attributes
-    ----------
-    front_rear : eta - 1 on the unbraked part [1]: positive if the rear radius is the smaller.
-    left_right_f, left_right_r : right over left wheel speed - 1, unbraked [1].
-    radius : ``v`` over the wheel speed while rolling unbraked, the median [m].
-    slope : change of ``-a_x`` with the wheels' deceleration [m]: the rolling radius if all is
-        correct; negative for a wrong sign.
-    eta_braked : mean eta while braking with 0.2 to 0.5 g, less that of the unbraked part [1].
-    eta_most : the same in that third of the braking with 0.1 to 0.5 g in which it is farthest from
-        0 [1]: eta rises and falls again, so its mean may be 0.
+    ``slope`` is the change of -a_x with the wheels' deceleration [m]: the rolling radius if all is
+    correct, negative for a wrong sign. ``eta_most`` is the change of eta in that third of the
+    braking in which eta changes most: eta rises and falls again, so the mean may not change.
     """
 
-    front_rear: IntervalEstimate | None
-    left_right_f: IntervalEstimate | None
+    front_rear: IntervalEstimate | None  # eta - 1, unbraked [1]: positive for a small rear radius
+    left_right_f: IntervalEstimate | None  # right over left wheel speed - 1, unbraked [1]
     left_right_r: IntervalEstimate | None
-    radius: float | None
+    radius: float | None  # median of v over the wheel speed, unbraked [m]
     slope: float | None
-    eta_braked: IntervalEstimate | None
-    eta_most: IntervalEstimate | None
+    eta_braked: IntervalEstimate | None  # mean eta at 0.2 to 0.5 g less that unbraked [1]
+    eta_most: IntervalEstimate | None  # at 0.1 to 0.5 g [1]
 
 
 def axles_of(log: Log, driving: DrivingRecord, slips: Mapping[str, Array]) -> Axles:
@@ -166,7 +159,7 @@ def rolling_radius(log: Log, driving: DrivingRecord) -> float | None:
 def _slope_over_wheels(driving: DrivingRecord, use: Mask) -> float | None:
     """Slope of the measured deceleration over that of the wheels [m], within ``use`` (n,).
 
-    None without much change, or correlation: a wet road with much slip, or a wrong ``a_x``.
+    None if either hardly changes or they do not correlate: much slip, or a wrong ``a_x``.
     """
     width = samples_in(LIMITS.slope_time, driving.step) | 1
     use = driving.moving & use
@@ -191,11 +184,11 @@ def _no_deep_slip(slips: Mapping[str, Array], driving: DrivingRecord) -> Mask:
 
 @dataclass(frozen=True)
 class Slipping:
-    """ABS ``cycles`` as (wheel, start [s]), ``locked`` wheels, ``first`` deep slip [s] or inf."""
+    """ABS cycles and wheels that lock."""
 
-    cycles: tuple[tuple[str, float], ...]
+    cycles: tuple[tuple[str, float], ...]  # wheel, start [s]
     locked: tuple[str, ...]
-    first: float
+    first: float  # start of the first deep slip [s], or inf
 
 
 def slipping(slips: Mapping[str, Array], driving: DrivingRecord) -> Slipping:

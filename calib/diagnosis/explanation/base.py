@@ -35,7 +35,6 @@ LOW, HIGH, _SIGMA, _MIDDLE = (
     np.array([float(row[key]) for row in _ROWS]) for key in ("low", "high", "sigma", "middle")
 )
 """Least and largest x (11,) of the base parameters, and their priors."""
-
 _LOGARITHM = np.array([row["scale"] == "log" for row in _ROWS])
 _SCALE = np.array([1.0 if row["scale"] == "log" else float(row["scale"]) for row in _ROWS])
 
@@ -63,9 +62,7 @@ GROUPS = tuple(dict.fromkeys(row["group"] for row in _RANDOM_ROWS))
 UNITS = {row["name"]: row["unit"] for row in _RANDOM_ROWS}
 FACTOR_ON = {row["name"]: row["factor_on"] for row in _RANDOM_ROWS if row["factor_on"]}
 """Random effects that are logarithms of factors, with the base parameters that they multiply."""
-
 _FACTORS = [RANDOM_EFFECTS.index(name) for name in FACTOR_ON]
-
 _GROUP_OF = np.array([row["group"] for row in _RANDOM_ROWS])
 _ALIKE_SIGMA, _USUAL_SIGMA, _OTHER_SIGMA = (
     np.array([float(row[key]) for row in _RANDOM_ROWS]) for key in ("alike", "usual", "other")
@@ -78,18 +75,13 @@ SLOPE, ZERO, FRONT_HEAT, REAR_HEAT = (RANDOM_EFFECTS.index(name) for name in (*O
 
 @dataclass(frozen=True)
 class Base:
-    """Values of the base parameters: pad friction by axle [1], and the tyre of both axles.
+    """Values of the base parameters; ``discrepancy`` (2, k) is that at `DISCREPANCY_FORCES` [1]."""
 
-    ``radius`` is a factor on the rolling radii of the vehicle file [1], common to both axles;
-    ``clock`` the time by which the pressure is logged early, against all other channels [s];
-    ``discrepancy`` (2, k) that of front and rear tyres at `DISCREPANCY_FORCES` [1].
-    """
-
-    pad_friction_f: float
+    pad_friction_f: float  # [1]
     pad_friction_r: float
-    tyre: MagicFormula
-    radius: float = 1.0
-    clock: float = 0.0
+    tyre: MagicFormula  # of both axles
+    radius: float = 1.0  # factor on all rolling radii of the vehicle file [1]
+    clock: float = 0.0  # time by which the pressure is logged before all other channels [s]
     discrepancy: Array = field(
         default_factory=lambda: np.zeros((2, DISCREPANCY_FORCES.size)), compare=False
     )

@@ -39,7 +39,6 @@ _OF_WHEELS = np.array(
     ]
 )
 """Coefficients (6, 4) of the channels on the wheel speeds, in the order of `WHEELS`."""
-
 _FLOOR = (0.005, 0.003, 0.005, 0.003, 0.003, 0.003)
 """Lower limits of the innovations' sd (6,), in the channels' units: a simulation has no noise."""
 STEP = 0.02  # clock of the channels [s]
@@ -51,14 +50,11 @@ _PARABOLA = 3  # coefficients of the parabola that is taken out of every unbrake
 
 @dataclass(frozen=True)
 class ChannelNoise:
-    """AR ``coefficients`` (6, ORDER), of the oldest sample first, and sd of the innovations (6,).
+    """AR process of the noise of each channel."""
 
-    ``freedom`` is the number of independent samples from which the noise was estimated.
-    """
-
-    coefficients: Array
-    sigma: Array
-    freedom: int
+    coefficients: Array  # (6, ORDER), of the oldest sample first
+    sigma: Array  # sd of the innovations (6,)
+    freedom: int  # number of independent samples from which the noise was estimated
 
 
 def residuals(run: ObservedRun, predicted: Prediction) -> Array:

@@ -50,19 +50,15 @@ _STEP_OF_RANDOM = 1.0 / 15.0  # the same of a random effect, over its largest st
 
 @dataclass(frozen=True)
 class Fit:
-    """A hypothesis fitted to the logs of a problem.
-
-    For each log it has the ``predictions``, the ``innovations`` (n,), and their derivatives:
-    ``columns`` (m + 2 k, n) by x and discrepancy, ``further_columns`` (4, n) by offsets and heats.
-    """
+    """A hypothesis fitted to the logs of a problem; the lists have one item for each log."""
 
     problem: Problem
     hypothesis: Hypothesis
     state: State
     predictions: list[Prediction]
-    innovations: list[Array]
-    columns: list[Array]
-    further_columns: list[Array]
+    innovations: list[Array]  # (n,)
+    columns: list[Array]  # derivatives of the innovations by x and discrepancy (m + 2 k, n)
+    further_columns: list[Array]  # derivatives by offsets and heats (4, n)
     log_evidence: float = -np.inf
 
     @property

@@ -18,13 +18,10 @@ from calib.base.arrays import Array
 
 @dataclass(frozen=True)
 class Products:
-    """Inner products ``gram`` (m + 1 + k, m + 1 + k) of a log, and its random effects (k,).
+    """Inner products of m shared columns, r, and k columns of random effects of a log."""
 
-    The products are those of m shared columns, r, and k columns of random effects, in this order.
-    """
-
-    gram: Array
-    random_effects: Array
+    gram: Array  # (m + 1 + k, m + 1 + k), in this order
+    random_effects: Array  # (k,)
 
     @classmethod
     def from_columns(
@@ -62,17 +59,15 @@ class Products:
 class Marginal:
     """Products of all logs and of the prior, which is on the first k columns.
 
-    ``information`` (k, k) is that of these columns, ``cross`` (k, c + 1) their products with the c
-    further columns and r, ``further`` (c + 1, c + 1) the products of further columns and r.
     ``log_determinants`` sums ln of the determinants of the random effects' information, less that
-    of the prior; ``steps`` are those of each log by `Products.marginalised`.
+    of the prior.
     """
 
-    information: Array
-    cross: Array
-    further: Array
+    information: Array  # products of the first k columns (k, k)
+    cross: Array  # products of the first k columns with c further ones and r (k, c + 1)
+    further: Array  # products of the further columns and r (c + 1, c + 1)
     log_determinants: float
-    steps: list[Array]
+    steps: list[Array]  # of each log, by `Products.marginalised`
 
     @classmethod
     def from_products(

@@ -30,10 +30,8 @@ from calib.diagnosis.explanation.base import (
 from calib.diagnosis.explanation.problem import Problem
 
 FADE = "pad_thermal_fade"
-
 _RIPPLES = ("disc_thickness_variation", "tone_ring_runout")  # effects that go with the wheel angle
 _IN_EVERY_CAR = frozenset({"aerodynamic_drag", "rolling_resistance", "rolling_radius_mismatch"})
-
 STRENGTH = 2.0  # standard deviation of the strength of an effect, in spreads of its card
 _FURTHER = 1.0  # the same for further parameters
 PRICE = 5.0  # ln of the prior odds against an effect, or a group in which logs differ
@@ -44,11 +42,11 @@ _START_OF_PEAK = 0.25  # x of the peak where a fit begins: forces beyond a low o
 
 @dataclass(frozen=True)
 class State:
-    """``x`` of base, effects and walk, ``discrepancy`` (2 k,), ``random_effects`` (runs, 8)."""
+    """Values of all unknowns of a hypothesis."""
 
-    x: Array
-    discrepancy: Array
-    random_effects: Array
+    x: Array  # of base, effects and walk (m,)
+    discrepancy: Array  # (2 k,)
+    random_effects: Array  # (runs, 8)
 
     @property
     def shared(self) -> Array:
@@ -58,15 +56,12 @@ class State:
 
 @dataclass(frozen=True)
 class Walk:
-    """An empirical term whose values at the ``knots`` of its driver are a random walk.
-
-    ``size`` is the standard deviation of an increment; the first value has `_FIRST` times that [1].
-    """
+    """An empirical term whose values at the knots of its driver are a random walk."""
 
     place: str
     driver: str
     knots: tuple[float, ...]
-    size: float
+    size: float  # sd of an increment; the first value has `_FIRST` times that [1]
 
     @property
     def precision(self) -> Array:
@@ -83,17 +78,13 @@ class Walk:
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """Effects by their ``names``, and the ``groups`` of random effects in which logs differ.
+    """Effects and groups that act, and a walk that stands for whatever no effect explains."""
 
-    Logs are ``alike`` in other groups. A ``walk`` stands for whatever no effect explains.
-    ``has_discrepancy`` says whether the slip of tyres may depart from its formula.
-    """
-
-    names: tuple[str, ...] = ()
-    groups: frozenset[str] = frozenset()
-    alike: frozenset[str] = frozenset()
+    names: tuple[str, ...] = ()  # of effects
+    groups: frozenset[str] = frozenset()  # of random effects in which logs differ
+    alike: frozenset[str] = frozenset()  # groups in which logs are alike
     walk: Walk | None = None
-    has_discrepancy: bool = True
+    has_discrepancy: bool = True  # whether the slip of tyres may depart from its formula
 
     @property
     def key(self) -> object:
@@ -127,16 +118,16 @@ class Hypothesis:
 
 @dataclass(frozen=True)
 class Element:
-    """The element x of a ``parameter`` of an ``effect``: value = origin + x spread.
+    """The element x of a parameter of an effect: value = origin + x spread.
 
-    The ``origin`` is the value of the vehicle file if there is one; else the neutral value for a
-    strength, the typical one for a further parameter. ``sigma`` is that of the prior on x.
+    The origin is the value of the vehicle file if there is one; else the neutral value for a
+    strength, the typical one for a further parameter.
     """
 
     effect: str
     parameter: Parameter
     origin: float
-    sigma: float
+    sigma: float  # of the prior on x
 
     @property
     def low(self) -> float:
@@ -170,16 +161,12 @@ def _elements(problem: Problem, names: tuple[str, ...]) -> list[Element]:
 
 @dataclass(frozen=True)
 class Prior:
-    """Prior of all that logs share, x and discrepancy (m + 2 k,): normal about zero.
+    """Prior of x and discrepancy (m + 2 k,), which all logs share: normal, cut at bounds."""
 
-    It has a ``precision`` (m + 2 k, m + 2 k) and is cut at ``low`` and ``high``. ``effect_names``
-    (m + 2 k,) are those of the effect that has each element, "" for base, walk and discrepancy.
-    """
-
-    effect_names: NDArray[np.str_]
+    effect_names: NDArray[np.str_]  # effect of each element, "" for base, walk and discrepancy
     low: Array
     high: Array
-    precision: Array
+    precision: Array  # (m + 2 k, m + 2 k)
 
 
 def prior_of(problem: Problem, hypothesis: Hypothesis) -> Prior:

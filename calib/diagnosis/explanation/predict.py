@@ -51,17 +51,14 @@ class ObservedRun(RunHistory):
     """A log on the grid: means over its steps, shapes (n,), SI.
 
     Of a `RunHistory`, ``v`` is smoothed, for forces, ``z`` is measured, temperatures are smoothed,
-    energies are zero, and ``source`` is the name of the log. ``step`` is that of the grid,
-    ``v_read`` the speed as measured; ``omega`` (4, n) is in the order of `WHEELS`; ``drive`` (2, n)
-    the torque of engine or motor [N m per axle], zero if not logged; ``random_effects`` (8,) are in
-    the order of `RANDOM_EFFECTS`.
+    energies are zero, and ``source`` is the name of the log.
     """
 
-    step: float
-    v_read: Array
-    omega: Array
-    drive: Array
-    random_effects: Array = field(default_factory=lambda: np.zeros(len(RANDOM_EFFECTS)))
+    step: float  # of the grid
+    v_read: Array  # speed as measured
+    omega: Array  # (4, n), in the order of `WHEELS`
+    drive: Array  # torque of engine or motor at each axle, zero if not logged (2, n)
+    random_effects: Array = field(default_factory=lambda: np.zeros(len(RANDOM_EFFECTS)))  # (8,)
 
     @property
     def a_x(self) -> Array:
@@ -80,29 +77,22 @@ class ObservedRun(RunHistory):
 
 @dataclass(frozen=True)
 class RunLag:
-    """The ``lag`` of the wheels of a run, with the ``tyre`` of its log and a ``car`` of no effects.
+    """Lag of the wheels of a run, kept for other predictions: it takes a third of their time."""
 
-    It is kept for predictions with the same car and tyre: it takes a third of their time.
-    """
-
-    car: Vehicle
-    tyre: MagicFormula
+    car: Vehicle  # without effects
+    tyre: MagicFormula  # on the road of the log
     lag: WheelLag
 
 
 @dataclass(frozen=True)
 class Prediction:
-    """Readings ``a_x`` [m/s^2] and ``omega`` [rad/s], and ``speed_gain`` since the start [m/s].
+    """Readings of the sensors, and what they follow from."""
 
-    ``normalised_force`` [1] and ``slip_speed`` are those of each wheel, (4, n); the latter is the
-    part of omega that the slip of a tyre without discrepancy takes [rad/s].
-    """
-
-    a_x: Array
-    speed_gain: Array
-    omega: Array
-    normalised_force: Array
-    slip_speed: Array
+    a_x: Array  # [m/s^2] (n,)
+    speed_gain: Array  # of v since the start [m/s] (n,)
+    omega: Array  # [rad/s] (4, n)
+    normalised_force: Array  # of each wheel [1] (4, n)
+    slip_speed: Array  # what slip, without discrepancy, takes from omega [rad/s] (4, n)
     lag: RunLag
 
 

@@ -40,16 +40,13 @@ def silent(stage: str, step: int, total: int) -> None:
 
 @dataclass(frozen=True)
 class Problem:
-    """All runs of a case and their noise; the effects of ``vehicle`` act in every hypothesis.
+    """All runs of a case, their noise, and the known car."""
 
-    ``tell`` reports the progress, ``mapped`` is a `map` that may work in several processes.
-    """
-
-    vehicle: Vehicle
+    vehicle: Vehicle  # with effects that act in every hypothesis
     runs: tuple[ObservedRun, ...]
     noise: ChannelNoise
-    tell: Tell = silent
-    mapped: MapFunction = map
+    tell: Tell = silent  # reports the progress
+    mapped: MapFunction = map  # a `map` that may work in several processes
 
     @property
     def for_worker(self) -> Self:

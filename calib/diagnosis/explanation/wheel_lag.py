@@ -30,16 +30,12 @@ class WheelLag:
 
     The input is a parabola through three samples: a disc turns by up to 1 rad in a step, and
     straight lines would lose a twentieth of its ripple.
-
-    ``relaxation_time`` is sigma/v [s] (n,), ``step`` h [s]. ``band`` (4, 2 k n) is the lower
-    triangle of the recursion over F and h F' in turn. ``taps`` (2, 3, k, n - 1) are what each of
-    the last three inputs adds to F and to h F'.
     """
 
-    relaxation_time: Array
-    step: float
-    band: Array
-    taps: Array
+    relaxation_time: Array  # sigma/v [s] (n,)
+    step: float  # h [s]
+    band: Array  # lower triangle (4, 2 k n) of the recursion over F and h F' in turn
+    taps: Array  # what each of the last three inputs adds to F and to h F', (2, 3, k, n - 1)
 
     @classmethod
     def from_tau(cls, time_constant: Array, relaxation: float, v: Array, step: float) -> Self:
