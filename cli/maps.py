@@ -50,7 +50,7 @@ def map_(
     from calib.logs.formats import as_table
     from calib.logs.read import open_log
     from calib.show.facts import Facts
-    from calib.suggest.propose import suggest, to_lines, to_toml, tried
+    from calib.suggest.propose import suggest, to_lines, to_toml, try_on_log
 
     if len(radius) > 2:
         raise usage_error(f"typed {len(radius)} times; expected once or twice", "--radius")
@@ -58,7 +58,7 @@ def map_(
     with open_log(log, channel_map) as opened:
         source = as_table(opened.source, str(log))
         suggested = suggest(source, str(log), user_specified=take, radii=radii)
-    proposal = tried(suggested, log, channel_map)
+    proposal = try_on_log(suggested, log, channel_map)
     toml = to_toml(proposal, channel_map, None if out is None else out.absolute().parent)
     is_certain = not proposal.doubts and bool(proposal.proposals)
     if is_certain and out is not None:

@@ -1,5 +1,6 @@
 """Find the time, and the four columns of the wheel speeds and of the wheel pressures."""
 
+from collections import defaultdict
 from dataclasses import replace
 
 import numpy as np
@@ -21,14 +22,16 @@ from calib.suggest.columns import (
     Doubt,
     Search,
     Series,
+    are_of_one_car,
+    is_later,
     rim_mapping,
-    rising,
-    together,
 )
-from calib.suggest.words import has_word, loose_corner
+from calib.suggest.words import has_word, split_wheel
 
 _SLOW = 0.15
 """Share of the highest speed [1] below which samples are not used: the car is about to stop."""
+_ACCELERATED = 0.5
+"""Smallest range of the derivative of speed [m/s^2] to test other columns with."""
 
 
 def find_clock(search: Search) -> None:
@@ -36,7 +39,7 @@ def find_clock(search: Search) -> None:
     if "time" not in search.user_specified:
         _propose_clock(search)
     elif (time := search.values_of_user("time")) is not None:
-        time = time[rising(time)]
+        time = time[is_later(time)]
         search.clock = ColumnClock(time, step_of(time))
     if search.clock is None:
         return
@@ -48,29 +51,30 @@ def find_clock(search: Search) -> None:
         search.clock = None
         return
     source = search.proposals["time"].mapping.source
-    for written in [s.values for s in search.series if s.name == source]:
-        part = rising(written)
-        search.series = [replace(s, values=s.values[part]) for s in search.series]
-        search.gapped = [replace(s, values=s.values[part]) for s in search.gapped]
+    rows = is_later(next(s.values for s in search.series if s.name == source))
+    search.series = [replace(s, values=s.values[rows]) for s in search.series]
+    search.gapped = [replace(s, values=s.values[rows]) for s in search.gapped]
 
 
 def _propose_clock(search: Search) -> None:
-    timed = [s for s in search.free() if s.si in ("s", None)]
+    complete = [s for s in search.free() if s.si in ("s", None)]
     gapped = [s for s in search.gapped if s.si in ("s", None)]
-    running = [s for s in timed if _runs(s.values)]
+    running = [s for s in complete if _runs(s.values)]
     named = [s for s in running if has_word(s.name, "time")]
-    fit = [s for s in named if s.name == "time"] or named
+    fitting = [s for s in named if s.name == "time"] or named
+    faulty = [s for s in (*complete, *gapped) if has_word(s.name, "time")]
     unread = [(name, why) for name, why in search.unused.items() if has_word(name, "time")]
-    if len(fit) > 1:
-        search.doubt("time", fit, "more than one column is a time", "choose one: --take time=NAME")
-    elif fit:
-        _take_clock(search, fit[0])
-    elif broken := [s for s in (*timed, *gapped) if has_word(s.name, "time")]:
-        why = f"{broken[0].name} is named a time, but {_disorder(broken[0].values)}"
-        search.doubt("time", broken[:1], why, "correct the log, or export it again")
+    if len(fitting) > 1:
+        do = "choose one: --take time=NAME"
+        search.doubt("time", fitting, "more than one column is a time", do)
+    elif fitting:
+        _take_clock(search, fitting[0])
+    elif faulty:
+        why = f"{faulty[0].name} is named a time, but {_disorder(faulty[0].values)}"
+        search.doubt("time", faulty[:1], why, "correct the log, or export it again")
     elif unread:
-        do = "export the log again, with a time for each row"
-        search.doubts.append(Doubt("time", unread[0][:1], unread[0][1], do))
+        (name, why), do = unread[0], "export the log again, with a time for each row"
+        search.doubts.append(Doubt("time", (name,), why, do))
     else:
         candidates = [s for s in running if s.si == "s"] or running
         do = "choose one and give its unit: --take 'time=NAME [s]'"
@@ -86,33 +90,46 @@ def _runs(values: Array) -> bool:
 
 def _take_clock(search: Search, item: Series) -> None:
     """Take a column with its own unit, or with the first one that gives a possible rate."""
-    time, unit, order = item.values[rising(item.values)], item.column.unit, "increasing"
+    time, unit, order = item.values[is_later(item.values)], item.column.unit, "increasing"
     if time.size < item.values.size:
         order += f", but {_disorder(item.values)}: the log is refused until they are deleted"
     low, high = bounds_of("clock_rate")
-    own_unit = unit if item.si == "s" and unit else ""
-    written = from_si(time, own_unit, "s") if own_unit else time
-    for other in filter(None, (own_unit, *TIME_UNITS)):
-        time = to_si(written, other, "s")
-        if low <= 1.0 / (step := step_of(time)) <= high:
-            header = f", and its header says {unit}" if unit else ""
-            only = f"only {other} gives a rate of 40 Hz to 1 kHz{header}"
-            is_own = other == own_unit
-            reasons = ("name", f"unit {unit}", order) if is_own else ("name", order, only)
-            search.propose("time", Mapping(item.name, None if is_own else other), is_own, *reasons)
-            search.clock = ColumnClock(time, step)
-            return
-    do = "give the unit: --take 'time=NAME [s]'"
+    has_unit = item.si == "s"
+    written = from_si(time, str(unit), "s") if has_unit else time
+    for tried in (str(unit), *TIME_UNITS) if has_unit else TIME_UNITS:
+        time = to_si(written, tried, "s")
+        step = step_of(time)
+        if not low <= 1.0 / step <= high:
+            continue
+        is_own = has_unit and tried == unit
+        header = f", and its header says {unit}" if unit else ""
+        only = f"only {tried} gives a rate of 40 Hz to 1 kHz{header}"
+        reasons = ("name", f"unit {unit}", order) if is_own else ("name", order, only)
+        search.propose("time", Mapping(item.name, None if is_own else tried), is_own, *reasons)
+        search.clock = ColumnClock(time, step)
+        return
     why = f"{f'unit {unit}' if unit else 'no unit'}, and steps of {step_of(written):.4g}"
-    search.doubt("time", [item], why, do)
+    search.doubt("time", [item], why, "give the unit: --take 'time=NAME [s]'")
 
 
-def bridge(search: Search, clock: ColumnClock) -> ColumnClock:
-    """Put all columns on one clock, which is returned, and leave out those with gaps."""
-    every = (*search.series, *search.gapped)
-    resampled = rows_on_one_clock(clock.time, {s.name: s.values for s in every}, "the log")
+def _disorder(time: Array) -> str:
+    steps = np.diff(time)
+    for flaw, rows in (
+        ("has no value", np.flatnonzero(np.isnan(time))),
+        ("goes back", np.flatnonzero(steps < 0.0) + 1),
+        ("repeats a time", np.flatnonzero(steps == 0.0) + 1),
+    ):
+        if rows.size:
+            return f"{flaw} in {rows.size} rows, first in row {rows[0] + 1}"
+    return "has one row"
+
+
+def resample(search: Search, clock: ColumnClock) -> ColumnClock:
+    """Put all columns on one clock, which is returned, and leave out those with long gaps."""
+    columns = (*search.series, *search.gapped)
+    resampled = rows_on_one_clock(clock.time, {s.name: s.values for s in columns}, "the log")
     time, search.series = resampled.time, []
-    for item, values in zip(every, resampled.values, strict=True):
+    for item, values in zip(columns, resampled.values, strict=True):
         missing = np.flatnonzero(np.isnan(values))
         if missing.size:
             first = f"{missing.size} of {time.size} rows, first at {time[missing[0]]:.3f} s"
@@ -124,85 +141,90 @@ def bridge(search: Search, clock: ColumnClock) -> ColumnClock:
     return search.clock
 
 
-def while_moving(search: Search, motion: Array | None, clock: ColumnClock) -> Array | None:
-    """Derivative of the speed, of the longest part in which the car moves; drops other rows."""
-    if motion is None:
+def keep_moving_rows(
+    search: Search, speed: Array | None, factor: float, clock: ColumnClock
+) -> Array | None:
+    """Keep the rows of the longest time in which the car moves; return its acceleration [m/s^2].
+
+    ``speed`` (n,) times ``factor`` is in m/s. Return None if the speed varies too little.
+    """
+    if speed is None:
         return None
-    fast = motion > _SLOW * float(motion.max())
-    start, end = max(
-        true_intervals(fast), key=lambda run: run[1] - run[0], default=(0, motion.size)
-    )
+    moves = speed > _SLOW * float(speed.max())
+    intervals = true_intervals(moves) or [(0, speed.size)]
+    start, end = max(intervals, key=lambda interval: interval[1] - interval[0])
     margin = 2 * clock.width(SMOOTH)  # smoothing distorts the ends
-    whole = end - start > 6 * margin
-    part = slice(start + margin, end - margin) if whole else slice(start, end)
-    search.series = [replace(s, values=s.values[part]) for s in search.series]
-    search.clock = ColumnClock(clock.time[part], clock.step)
-    return clock.rate_of(motion)[part]
-
-
-def _disorder(time: Array) -> str:
-    steps = np.diff(time)
-    for flaw, wrong in (
-        ("has no value", np.flatnonzero(np.isnan(time))),
-        ("goes back", np.flatnonzero(steps < 0.0) + 1),
-        ("repeats a time", np.flatnonzero(steps == 0.0) + 1),
-    ):
-        if wrong.size:
-            return f"{flaw} in {wrong.size} rows, first in row {wrong[0] + 1}"
-    return "has one row"
-
-
-def _fours(search: Search, *quantities: str | None) -> list[dict[str, Series]]:
-    fours: dict[tuple[str, str | None], dict[str, Series]] = {}
-    for item in search.free():
-        wheel, name = loose_corner(item.name)
-        if wheel and item.si in quantities:
-            fours.setdefault((name, item.si), {}).setdefault(wheel, item)
-    return [four for four in fours.values() if len(four) == 4]
+    if end - start > 6 * margin:
+        start, end = start + margin, end - margin
+    search.series = [replace(s, values=s.values[start:end]) for s in search.series]
+    search.clock = ColumnClock(clock.time[start:end], clock.step)
+    rate = factor * clock.rate_of(speed)[start:end]
+    return rate if np.ptp(rate) > _ACCELERATED else None
 
 
 def find_wheels(search: Search) -> tuple[Array | None, bool]:
-    """Four speeds named for the wheels and alike; their mean, and whether it is in rad/s."""
-    good, mirrored = [], set[str]()
-    for four in _fours(search, "rad/s", "m/s", None):
-        backwards = {x.name for x in four.values() if float(np.median(x.values)) < 0.0}
-        turned = [
-            replace(four[w], values=-four[w].values) if four[w].name in backwards else four[w]
-            for w in WHEELS
-        ]
-        if together([item.values for item in turned]):
-            good.append(turned)
-            mirrored |= backwards
-        elif four["fl"].si is not None:
-            for item in four.values():
-                search.refuse(item, "it does not agree with the other three wheels")
-    angular = [each for each in good if each[0].si == "rad/s"]
-    fit = [each for each in angular if each[0].name == "omega_fl"] or angular or good
-    if len(fit) != 1:
-        if fit:
-            names = [" ".join(item.name for item in each) for each in fit]
-            do = "choose one: --take omega_fl=NAME, and the same for the others"
-            _doubt_wheels(search, names, "several sets of four", do)
-        specified = [x for w in WHEEL_SPEEDS if (x := search.values_of_user(w)) is not None]
-        return (np.mean(specified, axis=0) if len(specified) == 4 else None), False
-    (chosen,) = fit
-    mean = np.mean([x.values for x in chosen], axis=0)
-    unit, si = chosen[0].column.unit, chosen[0].si
+    """Find four speeds that are named for the wheels and agree.
+
+    Return their mean (n,), else that of the user's wheel speeds, and whether it is in rad/s.
+    """
+    fours = _agreeing_fours(search)
+    angular = [four for four in fours if four["fl"].si == "rad/s"]
+    likeliest = [four for four in angular if four["fl"].name == "omega_fl"] or angular or fours
+    if len(likeliest) > 1:
+        names = [" ".join(four[wheel].name for wheel in WHEELS) for four in likeliest]
+        do = "choose one: --take omega_fl=NAME, and the same for the others"
+        _doubt_wheels(search, names, "several sets of four", do)
+    if len(likeliest) != 1:
+        of_user = [search.values_of_user(channel) for channel in WHEEL_SPEEDS]
+        speeds = [x for x in of_user if x is not None]
+        return (np.mean(speeds, axis=0) if len(speeds) == 4 else None), True
+    wheels = [likeliest[0][wheel] for wheel in WHEELS]
+    mean = np.mean([_sign(item) * item.values for item in wheels], axis=0)
+    unit, si = wheels[0].column.unit, wheels[0].si
     if si is None or (si == "m/s" and search.radii is None):
         why, do = f"speeds at the rim, in {unit}, need a radius to become wheel speeds", GIVE_RADIUS
         if si is None:
             why = "their unit is not known"
             do = "give it: --take 'omega_fl=NAME [rad/s]', and the same for the others"
-        _doubt_wheels(search, [item.name for item in chosen], why, do)
+        _doubt_wheels(search, [item.name for item in wheels], why, do)
         return mean, False
-    for channel, wheel in zip(WHEEL_SPEEDS, chosen, strict=True):
-        at_rim = rim_mapping(channel, wheel.name, unit, search.radii) or Mapping(wheel.name)
+    for channel, item in zip(WHEEL_SPEEDS, wheels, strict=True):
+        mapping = rim_mapping(channel, item.name, unit, search.radii) or Mapping(item.name)
         reasons = ["name", f"unit {unit}", "the four wheels agree"]
-        if wheel.name in mirrored:
-            at_rim = replace(at_rim, sign=-1)
+        if _sign(item) < 0:
+            mapping = replace(mapping, sign=-1)
             reasons.append("counts backwards: sign reversed")
-        search.propose(channel, at_rim, True, *reasons)
-    return mean / float(np.mean(search.radii)) if si == "m/s" and search.radii else mean, True
+        search.propose(channel, mapping, True, *reasons)
+    if si == "m/s" and search.radii:
+        mean = mean / float(np.mean(search.radii))
+    return mean, True
+
+
+def _agreeing_fours(search: Search) -> list[dict[str, Series]]:
+    """Columns by wheel of each set of four that agrees; refuses those of other sets."""
+    agreeing = []
+    for four in _fours(search, ("rad/s", "m/s", None)):
+        if are_of_one_car([_sign(four[w]) * four[w].values for w in WHEELS]):
+            agreeing.append(four)
+        elif four["fl"].si is not None:
+            for item in four.values():
+                search.refuse(item, "it does not agree with the other three wheels")
+    return agreeing
+
+
+def _fours(search: Search, units: tuple[str | None, ...]) -> list[dict[str, Series]]:
+    """Columns by wheel of each set of four whose names differ in the wheel alone, with one unit."""
+    by_name: defaultdict[tuple[str, str | None], dict[str, Series]] = defaultdict(dict)
+    for item in search.free():
+        wheel, name = split_wheel(item.name)
+        if wheel and item.si in units:
+            by_name[name, item.si].setdefault(wheel, item)
+    return [four for four in by_name.values() if len(four) == 4]
+
+
+def _sign(item: Series) -> int:
+    """-1 for a wheel speed that counts backwards, else 1."""
+    return -1 if float(np.median(item.values)) < 0.0 else 1
 
 
 def _doubt_wheels(search: Search, names: list[str], why: str, do: str) -> None:
@@ -212,9 +234,9 @@ def _doubt_wheels(search: Search, names: list[str], why: str, do: str) -> None:
 
 
 def find_wheel_pressures(search: Search) -> None:
-    """Four columns of pressures that are named for the wheels."""
-    fours, most = _fours(search, "Pa"), BAR * bounds_of("pressure_high")[1]
-    if len(fours) == 1 and all(item.values.max() <= most for item in fours[0].values()):
+    """Find four columns of pressures that are named for the wheels."""
+    fours, highest = _fours(search, ("Pa",)), BAR * bounds_of("pressure_high")[1]
+    if len(fours) == 1 and all(item.values.max() <= highest for item in fours[0].values()):
         for wheel, item in fours[0].items():
             unit = f"unit {item.column.unit}"
             search.propose(f"p_{wheel}", Mapping(item.name), False, "name", unit)

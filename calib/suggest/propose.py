@@ -9,7 +9,7 @@ from pathlib import Path
 
 from calib.base.errors import BrakeCalError, InputError, one_line
 from calib.base.names import CHANNELS
-from calib.base.plain import quoted
+from calib.base.plain import counted, quoted
 from calib.base.units import is_unit
 from calib.logs.channel_map import ChannelMap, Mapping, assigned_column
 from calib.logs.read import REQUIRED, read_log
@@ -17,20 +17,7 @@ from calib.logs.source import ColumnSource, address_of, indices_of
 from calib.logs.text.cells import column_from_cell
 from calib.logs.text.dialect import DETECTED
 from calib.run.driving_record import NOMINAL_RADIUS
-from calib.suggest.body import (
-    find_acceleration,
-    find_by_name,
-    find_pressure,
-    find_speed,
-    refuse_computed,
-)
-from calib.suggest.clock_and_wheels import (
-    bridge,
-    find_clock,
-    find_wheel_pressures,
-    find_wheels,
-    while_moving,
-)
+from calib.suggest import body, clock_and_wheels
 from calib.suggest.columns import (
     GIVE_RADIUS,
     LIKELY,
@@ -44,17 +31,20 @@ from calib.suggest.columns import (
     rim_mapping,
 )
 
+_UNKNOWN = "not a known channel"
+_NO_CLOCK = "not looked for, since the time is not known"
+
 
 @dataclass(frozen=True)
 class Suggestion:
-    """A channel map proposed for ``log``; it is written only if there are no ``doubts``."""
+    """A channel map proposed for a log; it is written only if there are no doubts."""
 
-    log: str
+    log: str  # path of the log
     proposals: tuple[Proposal, ...]
     doubts: tuple[Doubt, ...]
-    missing: dict[str, str]
-    unused: dict[str, str]
-    ignore: tuple[str, ...]
+    missing: dict[str, str]  # reason, by the name of a required channel
+    unused: dict[str, str]  # reason, by the name of a column
+    ignore: tuple[str, ...]  # columns that have the name of a channel and are not to be one
 
 
 def suggest(
@@ -64,7 +54,7 @@ def suggest(
     user_specified: Named[str, str] | None = None,
     radii: Radii | None = None,
 ) -> Suggestion:
-    """Propose a channel map for an opened log.
+    """Propose a channel map for the opened log with the path ``where``.
 
     ``user_specified`` are sources by channel, such as ``Brake [bar]``; empty for a channel that is
     to have none. ``radii`` [m] of front and rear turn speeds at the rim into wheel speeds. Raises
@@ -74,44 +64,48 @@ def suggest(
     for channel, cell in search.user_specified.items():
         if proposal := _proposal_of_user(channel, cell, source, where, radii):
             search.proposals[channel] = proposal
-    find_clock(search)
+    clock_and_wheels.find_clock(search)
     if search.clock is None:
-        others = (*search.series, *search.gapped)
-        search.unused.update({s.name: _NO_CLOCK for s in others if s.name not in search.unused})
+        for item in (*search.series, *search.gapped):
+            search.refuse(item, _NO_CLOCK)
     else:
-        _find(search, search.clock)
+        _find_others(search, search.clock)
+    for item in search.series:
+        search.refuse(item, _UNKNOWN)
     proposals = tuple(search.proposals[name] for name in CHANNELS if name in search.proposals)
-    proposed = {p.mapping.source for p in proposals}
-    reasons = search.unused | {s.name: search.unused.get(s.name, _UNKNOWN) for s in search.series}
-    unused = {name: why for name, why in reasons.items() if name not in proposed}
-    doubtful = {doubt.channel[:6] for doubt in search.doubts}  # a doubt of one wheel is of all
-    none = "no column fits by name, unit and values" if search.clock else _NO_CLOCK
-    missing = {
-        name: f"its column: {unused[name]}" if name in unused and search.clock else none
-        for name in REQUIRED
-        if name not in search.proposals and name[:6] not in doubtful
-    }
+    proposed = {proposal.mapping.source for proposal in proposals}
+    unused = {name: why for name, why in search.unused.items() if name not in proposed}
     ignore = tuple(n for n in unused if n in CHANNELS and n not in search.proposals)
+    missing = _missing(search, unused)
     return Suggestion(where, proposals, tuple(search.doubts), missing, unused, ignore)
 
 
-_UNKNOWN = "not a known channel"
-_NO_CLOCK = "not looked for, since the time is not known"
-
-
-def _find(search: Search, clock: ColumnClock) -> None:
-    clock = bridge(search, clock)
-    mean, angular = find_wheels(search)
-    speed = find_speed(search, mean)
-    metres = speed is not None or not (angular or "omega_fl" in search.user_specified)
-    rate = while_moving(search, speed if speed is not None else mean, clock)
-    rate = rate if rate is None or metres else NOMINAL_RADIUS * rate
+def _find_others(search: Search, clock: ColumnClock) -> None:
+    """Find all channels except the time."""
+    clock = clock_and_wheels.resample(search, clock)
+    wheels, is_angular = clock_and_wheels.find_wheels(search)
+    speed = body.find_speed(search, wheels)
+    factor = NOMINAL_RADIUS if speed is None and is_angular else 1.0
+    motion = wheels if speed is None else speed
+    rate = clock_and_wheels.keep_moving_rows(search, motion, factor, clock)
     clock = search.clock or clock
-    find_acceleration(search, rate, clock)
-    refuse_computed(search)
-    find_pressure(search, None if rate is None else -rate, clock)
-    find_wheel_pressures(search)
-    find_by_name(search)
+    body.find_acceleration(search, rate, clock)
+    body.refuse_computed(search)
+    body.find_pressure(search, None if rate is None else -rate, clock)
+    clock_and_wheels.find_wheel_pressures(search)
+    body.find_by_name(search)
+
+
+def _missing(search: Search, unused: dict[str, str]) -> dict[str, str]:
+    """Reason for each required channel that is neither proposed nor in doubt."""
+    doubtful = {doubt.channel[:6] for doubt in search.doubts}  # `omega_`: wheels share a doubt
+    no_column = "no column fits by name, unit and values"
+    reasons = {
+        name: f"its column: {unused[name]}" if name in unused else no_column
+        for name in REQUIRED
+        if name not in search.proposals and name[:6] not in doubtful
+    }
+    return reasons if search.clock else dict.fromkeys(reasons, _NO_CLOCK)
 
 
 def _proposal_of_user(
@@ -125,9 +119,9 @@ def _proposal_of_user(
     columns, from_user, si = source.columns, column_from_cell(cell), CHANNELS[channel].si
     indices = indices_of(cell, columns) or indices_of(from_user.name, columns)
     if len(indices) != 1:
-        message = f"{where} has {len(indices) or 'no'} column{'s' * bool(indices)} {cell!r}"
+        count = counted(len(indices), "column") if indices else "no column"
         names = [address_of(columns[i], columns) for i in indices] or [c.name for c in columns]
-        raise InputError(message, expected=f"one of {quoted(names)}")
+        raise InputError(f"{where} has {count} {cell!r}", expected=f"one of {quoted(names)}")
     column = columns[indices[0]]
     address = address_of(column, columns)
     unit = from_user.unit if column.name != cell and from_user.unit != column.unit else None
@@ -139,12 +133,12 @@ def _proposal_of_user(
     return Proposal(channel, Mapping(address, unit), SURE, ("given",))
 
 
-def tried(suggestion: Suggestion, path: Path, read_with: ChannelMap | None = None) -> Suggestion:
-    """The suggestion, with a doubt if the log cannot be read with it."""
+def try_on_log(suggestion: Suggestion, path: Path, base: ChannelMap | None = None) -> Suggestion:
+    """Read the log with a suggestion and the file format of ``base``; add a doubt if that fails."""
     if suggestion.doubts or not suggestion.proposals:
         return suggestion
     channels = {proposal.channel: proposal.mapping for proposal in suggestion.proposals}
-    base = read_with or ChannelMap(str(path), {})
+    base = base or ChannelMap(str(path), {})
     proposed = replace(base, where="the proposed map", channels=channels, ignore=suggestion.ignore)
     try:
         read_log(path, proposed, require=tuple(channels))
@@ -157,34 +151,36 @@ def tried(suggestion: Suggestion, path: Path, read_with: ChannelMap | None = Non
 
 
 def to_toml(
-    suggestion: Suggestion, read_with: ChannelMap | None = None, folder: Path | None = None
+    suggestion: Suggestion, base: ChannelMap | None = None, folder: Path | None = None
 ) -> str:
-    """The channel map as TOML; comments say how sure each entry is.
+    """Write the channel map as TOML, with comments that say how sure each entry is.
 
-    DBC files and text format are those of ``read_with``; paths lead from ``folder``, if given.
+    DBC files and text format are those of ``base``; their paths are relative to ``folder``.
     """
     lines = [f"# proposed from {one_line(suggestion.log)}", "schema = 1"]
-    databases = read_with.databases if read_with else {}
+    databases = base.databases if base else {}
     if files := {bus: _paths(paths, folder) for bus, paths in databases.items() if paths}:
-        lines.append(f"dbc = {_written(files.get('', files))}")
+        lines.append(f"dbc = {_toml(files.get('', files))}")  # "" stands for all buses
     if suggestion.ignore:
-        lines.append(f"ignore = {_written(list(suggestion.ignore))}")
+        lines.append(f"ignore = {_toml(list(suggestion.ignore))}")
     lines += [f"# {name}: {one_line(why)}" for name, why in suggestion.missing.items()]
     defaults = asdict(Mapping(""))
     for proposal in suggestion.proposals:
         why = one_line("; ".join(proposal.reasons))
         lines += ["", f"[channels.{proposal.channel}]  # {proposal.sure}: {why}"]
-        lines += _rows(asdict(proposal.mapping), defaults)
-    if text := _rows(asdict(read_with.text), asdict(DETECTED)) if read_with else []:
+        lines += _changed(asdict(proposal.mapping), defaults)
+    text = _changed(asdict(base.text), asdict(DETECTED)) if base else []
+    if text:
         lines += ["", "[text]", *text]
     return "\n".join([*lines, ""])
 
 
-def _rows(values: Named[str, object], defaults: Named[str, object]) -> list[str]:
-    return [f"{k} = {_written(value)}" for k, value in values.items() if value != defaults[k]]
+def _changed(values: Named[str, object], defaults: Named[str, object]) -> list[str]:
+    """Entries that differ from the defaults, each as a line of TOML."""
+    return [f"{key} = {_toml(x)}" for key, x in values.items() if x != defaults[key]]
 
 
-def _written(value: object) -> str:
+def _toml(value: object) -> str:
     """A value as TOML in one line."""
     import tomlkit
 
@@ -208,11 +204,11 @@ def to_lines(suggestion: Suggestion) -> Iterator[tuple[str, str]]:
     """Channel and text for each proposal, doubt, missing channel and unused column."""
     for proposal in suggestion.proposals:
         mapping = proposal.mapping
-        extra = "" if mapping.sign == 1 else ", sign -1"
-        extra += "" if mapping.scale == 1.0 else f", scale {mapping.scale:.6g}"
-        extra += f" [{mapping.unit}]" if mapping.unit else ""
+        sign = "" if mapping.sign == 1 else ", sign -1"
+        scale = "" if mapping.scale == 1.0 else f", scale {mapping.scale:.6g}"
+        unit = f" [{mapping.unit}]" if mapping.unit else ""
         why = "; ".join(proposal.reasons)
-        yield proposal.channel, f"{mapping.source}{extra} ({proposal.sure}: {why})"
+        yield proposal.channel, f"{mapping.source}{sign}{scale}{unit} ({proposal.sure}: {why})"
     for doubt in suggestion.doubts:
         yield doubt.channel, f"uncertain: {doubt}"
     for name, why in suggestion.missing.items():

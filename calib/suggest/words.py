@@ -1,4 +1,4 @@
-"""Words in column names for each quantity and each wheel."""
+"""Recognize the quantity, the wheel and the axle of a column by the words in its name."""
 
 import re
 from itertools import pairwise
@@ -6,30 +6,30 @@ from typing import NamedTuple
 
 from calib.base.plain import rows
 
+# A word is CarSim's side and axle (`L1`), an abbreviation before a capitalised word (`ESP` in
+# `ESPSpeed`), small letters after at most one capital, an abbreviation, or a number.
 _WORD = re.compile(
     r"[LR][12](?![0-9A-Za-z])|(?<![A-Za-z])[lr][12](?![0-9A-Za-z])"
     r"|[A-ZÄÖÜ]+(?=[A-ZÄÖÜ][a-zäöü])|[A-ZÄÖÜ]?[a-zäöüß]+|[A-ZÄÖÜ]+|\d+"
 )
-
-
 _FRONT = {"f", "front", "frnt", "v", "vo", "vorn", "vorne", "va", "fa"}
 _REAR = {"r", "rear", "h", "hi", "hinten", "ha", "ra"}
 _LEFT = {"l", "left", "le", "links", "li", "lh"}
 _RIGHT = {"r", "right", "ri", "rechts", "re", "rh"}
 _REAR_OF_WHEEL = _REAR | {"re"}
-"""In the name of a wheel "re" is rear before a side, as in AUTOSAR's ``ReLe``, else right."""
-_CORNERS = {
+"""Before a side "re" is rear, as in AUTOSAR's ``ReLe``; after an axle it is right, "rechts"."""
+_WHEELS = {
     "fl": {"fl", "lf", "vl", "frontleft", "leftfront", "l1"},
     "fr": {"fr", "rf", "vr", "frontright", "rightfront", "r1"},
     "rl": {"rl", "lr", "hl", "rearleft", "leftrear", "l2"},
     "rr": {"rr", "hr", "rearright", "rightrear", "r2"},
 }
-"""Abbreviations of a wheel: English in both orders, German, and CarSim's side and axle."""
-_SIDES = _FRONT | _REAR | _LEFT | _RIGHT | set().union(*_CORNERS.values())
+"""Abbreviations of each wheel: English in both orders, German, and CarSim's side and axle."""
+_SIDES = _FRONT | _REAR | _LEFT | _RIGHT | set().union(*_WHEELS.values())
 
 
 class _Words(NamedTuple):
-    """Words of a quantity, and those of other quantities with like names."""
+    """Words that name a quantity, and words that show that a name is of another quantity."""
 
     wanted: frozenset[str]
     unwanted: frozenset[str]
@@ -39,9 +39,9 @@ _QUANTITIES = {
     row["quantity"]: _Words(frozenset(row["words"].split()), frozenset(row["others"].split()))
     for row in rows("words.csv", "calib.suggest")
 }
-"""Words by quantity; "derived" is a second, computed channel of the same quantity."""
-_WHOLE = 5
-"""Fewest letters of a word that is also searched within compounds: ``Fahrzeuggeschwindigkeit``."""
+"""Words by quantity. "derived" has the words of a channel that was computed, not measured."""
+_LONG = 5
+"""Fewest letters of a word that is also found within compounds: ``Fahrzeuggeschwindigkeit``."""
 
 
 def words(name: str) -> list[str]:
@@ -49,55 +49,60 @@ def words(name: str) -> list[str]:
     return [word.lower() for word in _WORD.findall(name)]
 
 
-def corner(name: str) -> str | None:
+def wheel_of(name: str) -> str | None:
     """The wheel in a name, ``fl``, ``fr``, ``rl`` or ``rr``, or None."""
-    return _corner(words(name))
+    return _wheel_in(words(name))
 
 
-def loose_corner(name: str) -> tuple[str | None, str]:
-    """The wheel in a name or at its end, as in ``WSFL``, and the name without it: ``ws``."""
-    wheel_by_words = corner(name)
-    if wheel_by_words is not None or not words(name):
-        return wheel_by_words, " ".join(word for word in words(name) if word not in _SIDES)
-    *others, last = words(name)
-    wheel = _corner([last[-2:]]) if len(last) > 2 else None
+def split_wheel(name: str) -> tuple[str | None, str]:
+    """The wheel in a name or at its end, as in ``WSFL``, and the other words: ``ws``."""
+    in_order = words(name)
+    wheel = _wheel_in(in_order)
+    if wheel is not None or not in_order:
+        return wheel, " ".join(word for word in in_order if word not in _SIDES)
+    *others, last = in_order
+    wheel = _wheel_in([last[-2:]]) if len(last) > 2 else None
     return wheel, " ".join([*others, last[:-2]])
 
 
-def _corner(in_order: list[str]) -> str | None:
-    wheels = [wheel for wheel, names in _CORNERS.items() if names & set(in_order)]
-    if len(wheels) == 1:
-        return wheels[0]
+def _wheel_in(in_order: list[str]) -> str | None:
+    """The only wheel whose abbreviation is among the words, else an axle and a side in a row."""
+    wheels = [wheel for wheel, names in _WHEELS.items() if not names.isdisjoint(in_order)]
     if wheels:
-        return None
+        return wheels[0] if len(wheels) == 1 else None
     for first, second in pairwise(in_order):
-        turned = [(second, first)] if len(first + second) > 2 else []  # `l r` is not a wheel
-        for a, b in [(first, second), *turned]:
-            if a in _FRONT | _REAR_OF_WHEEL and b in _LEFT | _RIGHT:
-                return ("f" if a in _FRONT else "r") + ("l" if b in _LEFT else "r")
+        orders = [(first, second)]
+        if len(first + second) > 2:  # `l r` is not a wheel
+            orders.append((second, first))
+        for axle, side in orders:
+            if axle in _FRONT | _REAR_OF_WHEEL and side in _LEFT | _RIGHT:
+                return ("f" if axle in _FRONT else "r") + ("l" if side in _LEFT else "r")
     return None
 
 
-def axle(name: str) -> str | None:
+def axle_of(name: str) -> str | None:
     """The axle in a name, ``f`` or ``r``, or None; None also for the name of a wheel."""
-    in_name = set(words(name))
-    if corner(name) is not None or bool(in_name & _FRONT) == bool(in_name & _REAR):
+    in_name = words(name)
+    is_front, is_rear = not _FRONT.isdisjoint(in_name), not _REAR.isdisjoint(in_name)
+    if is_front == is_rear or wheel_of(name) is not None:
         return None
-    return "f" if in_name & _FRONT else "r"
+    return "f" if is_front else "r"
 
 
 def has_word(name: str, quantity: str) -> bool:
-    """Whether one of the words of a name is one of a quantity in `words.csv`."""
+    """Whether a name has one of the words of a quantity in `words.csv`."""
     return not _QUANTITIES[quantity].wanted.isdisjoint(words(name))
 
 
 def score(name: str, quantity: str) -> int:
-    """Twice the wanted words in a name, less one if it is computed; -1 with an unwanted one."""
-    in_name, (wanted, unwanted) = set(words(name)), _QUANTITIES[quantity]
-    if _matching(in_name, unwanted):
+    """Twice the wanted words in a name, less 1 for a derived channel; -1 with an unwanted word."""
+    in_name, quantity_words = set(words(name)), _QUANTITIES[quantity]
+    if _count(in_name, quantity_words.unwanted):
         return -1
-    return 2 * len(_matching(in_name, wanted)) - has_word(name, "derived")
+    return 2 * _count(in_name, quantity_words.wanted) - int(has_word(name, "derived"))
 
 
-def _matching(in_name: set[str], wanted: frozenset[str]) -> set[str]:
-    return {w for w in in_name if w in wanted or any(len(x) >= _WHOLE and x in w for x in wanted)}
+def _count(in_name: set[str], listed: frozenset[str]) -> int:
+    """Number of the words that are listed or contain a long listed word."""
+    long = [word for word in listed if len(word) >= _LONG]
+    return sum(word in listed or any(part in word for part in long) for word in in_name)

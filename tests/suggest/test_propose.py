@@ -14,7 +14,7 @@ from calib.logs.formats import as_table
 from calib.logs.read import open_log, read_log
 from calib.logs.source import Column, ColumnSource
 from calib.suggest.propose import Suggestion, suggest, to_toml
-from calib.suggest.words import corner, score
+from calib.suggest.words import score, wheel_of
 from tests.support.made_runs import made_run, stop
 
 SAMPLES = Path(__file__).parents[2] / "sample_logs"
@@ -335,9 +335,9 @@ def test_mirrored_wheels_get_a_sign():
         (None, ["Front Axle Left Wheel", "velocity", "frontal area", "omega_rear", "l r"]),
     ],
 )
-def test_corner(wheel, names):
+def test_wheel_of(wheel, names):
     """Parts of a corner that are not beside each other are not certain."""
-    assert {name: corner(name) for name in names} == dict.fromkeys(names, wheel)
+    assert {name: wheel_of(name) for name in names} == dict.fromkeys(names, wheel)
 
 
 @pytest.mark.parametrize(
