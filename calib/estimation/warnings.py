@@ -40,7 +40,7 @@ from calib.fitting.mistakes import causes_of, measured
 from calib.model.ramp import prepare
 from calib.plausibility.evidence import Evidence
 from calib.plausibility.forces import LEAST_ODDS
-from calib.plausibility.pads import of_changes
+from calib.plausibility.pads import change_figures
 from calib.plausibility.rules import VALIDATE, warnings_on
 from calib.run.brake_response import brake_response
 from calib.run.exchanged_wheels import crossed_diagonal
@@ -88,7 +88,7 @@ def warnings_of(e: Estimate, run: Run | None = None) -> tuple[PlausibilityWarnin
         i = int(np.flatnonzero(e.valid)[-1])
         middle, low, high = e.best.step.change[:, i].tolist()
         apart = middle, (high - low) / (2.0 * Z95)
-        of_table += of_changes(_level_change(e, resistance, i), apart)
+        of_table += change_figures(_level_change(e, resistance, i), apart)
     kinds = VOID, WARN
     warnings = (
         *warnings_on(evidence, VALIDATE, kinds),

@@ -32,7 +32,7 @@ from calib.fitting.quality import MOVE_ETA, explained, metrics, remarks, warning
 from calib.logs.log import Log
 from calib.model.ramp import RampRun, prepare, sort_runs
 from calib.model.roller_bench import RollerBench
-from calib.plausibility.pads import of_calibration, require_possible_pads
+from calib.plausibility.pads import calibration_figures, require_possible_pads
 from calib.plausibility.rules import FIT
 from calib.run.blocks import BLOCK
 from calib.run.noise import worst_noise
@@ -146,7 +146,7 @@ def fit(
         warnings=(
             *rule_warnings(vehicle.name, [Measured(prior.code, p) for prior, p in support], FIT),
             *mistakes,
-            *rule_warnings(car.name, of_calibration(car, pads, pad_prior), FIT),
+            *rule_warnings(car.name, calibration_figures(car, pads, pad_prior), FIT),
             *warnings,
         ),
         budget=budget,

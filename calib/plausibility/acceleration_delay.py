@@ -7,9 +7,8 @@ r"""Delay of the accelerometer against a speed: v where it is logged, else the r
 
 The rims are slower than the car by their slip, whose coefficients have the prior of any tyre. The
 errors are white noise of u, the random walk that the noise of z makes in I, and the slope of the
-road, which is even or changes. One braking is compared, with the rolling before it.
-
-A delay longer than `_LONGEST` is not seen. Without v a motor that follows no pedal looks like one.
+road, which is even or changes. One braking is compared, with the rolling before it. A delay longer
+than `_LONGEST` is not seen. Without v a motor that follows no pedal looks like a delay.
 """
 
 from typing import NamedTuple
@@ -28,9 +27,8 @@ from calib.run.speed_delay import CHANGING, EVEN, ODDS_ROAD
 
 _LONGEST = 0.6
 _TRIED = np.linspace(-_LONGEST, _LONGEST, 61)  # delays [s], equally likely
-_STEP = 0.1  # of the means that are compared [s]
+_STEP, _FEWEST = 0.1, 15  # time over which signals are averaged [s]; number of means needed
 _ROLLED, _BRAKED = 3.0, 12.0  # longest times before and after the bite that are compared [s]
-_FEWEST = 15  # means that are needed
 _START, _SLOPE, _SCALE, _RADIUS = 100.0, 0.5, 0.02, 0.01
 """Prior sigma of v_0 [m/s], of e [m/s^2], of c [1] and of a rolling radius [1]."""
 _COLOUR = 2.0  # noise of z over a second over its white part [1]: logs have 1.5 to 4, by the road
@@ -41,32 +39,32 @@ of 0.15 s makes 0.12; of 234 sound logs of seven plants none is then 3 sigma off
 
 
 class AccelerationDelay(NamedTuple):
-    """Time by which a_x comes after the speed ``against`` which it is compared, and sigma [s]."""
+    """Time by which a_x comes after a speed [s]."""
 
     value: float
     sigma: float
-    against: str
+    against: str  # name of the speed
 
 
 def acceleration_delay(run: Run) -> AccelerationDelay | None:
     """Delay of a_x in the first braking of a run with a vehicle; None without enough of it."""
-    compared, has_speed = _compared_blocks(run), run.blocks.v is not None
+    compared, has_v = _compared_blocks(run), run.blocks.v is not None
     size = samples_in(_STEP, run.blocks.length)
     if compared.stop - compared.start < _FEWEST * size:
         return None
-    time, speed, z, pressure, *lost = block_mean(_signals(run, compared), size)
+    time, speed, z, pressure, *lost = block_mean(_signals(run, compared), size)  # each (n,)
     columns = [np.ones_like(time), time - time[0], lost[_TRIED.size // 2]]
     sigma = [_START, _SLOPE, _SCALE]
     noise = white_noise(speed, 2), _COLOUR * G * size * run.blocks.length * white_noise(z, 2)
-    if not has_speed:
+    if not has_v:
         slips = SLIP[:3]  # of the deceleration, its square and its cube
-        braked = pressure * float(z @ pressure) / float(pressure @ pressure)  # z without noise
-        columns += [speed, *(speed * braked**power for power in (1, 2, 3))]
+        smooth_z = pressure * float(z @ pressure) / float(pressure @ pressure)
+        columns += [speed, *(speed * smooth_z**power for power in (1, 2, 3))]
         sigma += [_RADIUS, *(spread for _, spread in slips)]
-        speed = speed * (1.0 + slips[0][0] * braked)
-    regained = speed + np.array(lost)  # (m, n), constant but for the columns at the true delay
+        speed = speed * (1.0 + slips[0][0] * smooth_z)
+    regained = speed + np.array(lost)  # (m, n), explained by the columns at the true delay
     value, spread = _posterior(time, regained, np.array(columns).T, np.array(sigma), noise)
-    if has_speed:
+    if has_v:
         return AccelerationDelay(value, spread, "v")
     return AccelerationDelay(value, float(np.hypot(spread, _FORM)), "the wheel speeds")
 
@@ -80,21 +78,21 @@ def _compared_blocks(run: Run) -> slice:
     bite = rolled[-1] + 1
     first = max(rolled[0], bite - round(_ROLLED / b.length))
     last = min(bite + round(_BRAKED / b.length), b.end.size)
-    ends = min(run.slipping.first if run.slipping else np.inf, b.end[-1] - _LONGEST)
-    unusable = (b.speed < MOVING) | (np.abs(b.z) > GREATEST_Z) | (b.end > ends)
+    latest = min(run.slipping.first if run.slipping else np.inf, b.end[-1] - _LONGEST)
+    unusable = (b.speed < MOVING) | (np.abs(b.z) > GREATEST_Z) | (b.end > latest)
     unusable[bite] |= not np.any((b.p_f + b.p_r)[first:last] > 0.0)
     stops = np.flatnonzero(unusable[first:last])
     return slice(int(first), int(first + stops[0] if stops.size else last))
 
 
-def _signals(run: Run, part: slice) -> Array:
-    """Time, speed, z, pressure and I at each tried delay, in the blocks of a part (4 + m, n)."""
+def _signals(run: Run, compared: slice) -> Array:
+    """Time, speed, z, pressure, and I at each tried delay, in the compared blocks (4 + m, n)."""
     b, car = run.blocks, run.car
     rim = 0.5 * (car.front.rolling_radius * b.omega_f + car.rear.rolling_radius * b.omega_r)
-    lost = G * b.length * (np.cumsum(b.z) - 0.5 * b.z)
-    shifted = (np.interp(b.end[part] + delay, b.end, lost) for delay in _TRIED)
     speed = rim if b.v is None else b.v
-    return np.array([*(x[part] for x in (b.end, speed, b.z, b.p_f + b.p_r)), *shifted])
+    lost = G * b.length * (np.cumsum(b.z) - 0.5 * b.z)  # I
+    shifted = (np.interp(b.end[compared] + delay, b.end, lost) for delay in _TRIED)
+    return np.array([*(x[compared] for x in (b.end, speed, b.z, b.p_f + b.p_r)), *shifted])
 
 
 def _posterior(
@@ -102,19 +100,21 @@ def _posterior(
 ) -> tuple[float, float]:
     """Mean and sigma of tau [s] from u + I by delay, ``regained`` [m/s] (m, n).
 
-    ``columns`` (n, k) have priors of ``sigma`` (k,); ``noise`` of u, and of a step of I [m/s].
+    The factors of ``columns`` (n, k) have prior ``sigma`` (k,); ``noise`` is that of u, and that of
+    a step of I [m/s].
     """
     white, walk = (max(x, _FINEST) ** 2 for x in noise)
     age = time - time[0]
     earlier, later = np.minimum.outer(age, age), np.maximum.outer(age, age)
     errors = white * np.eye(age.size) + walk / _STEP * earlier + columns * sigma**2 @ columns.T
-    turned = earlier**2 * (3.0 * later - earlier) / 6.0  # of a slope that walks, integrated twice
-    roots = [np.linalg.cholesky(errors + (G * grade) ** 2 * turned) for grade in (EVEN, CHANGING)]
+    by_slope = earlier**2 * (3.0 * later - earlier) / 6.0  # a random walk, integrated once
+    # below: a row for each kind of road, a column for each delay (2, m)
+    roots = [np.linalg.cholesky(errors + (G * q) ** 2 * by_slope) for q in (EVEN, CHANGING)]
     misfit = np.array([np.sum(np.linalg.solve(root, regained.T) ** 2, axis=0) for root in roots])
-    size = np.array([[np.log(np.diag(root)).sum()] for root in roots])
-    noisier = max(float(misfit.min()) / age.size, 1.0)  # noise beyond that of the differences
-    log = -0.5 * misfit / noisier - size + np.log(ODDS_ROAD)[:, None]
-    chance = np.exp(log - log.max()).sum(axis=0)
-    chance /= chance.sum()
-    mean = float(chance @ _TRIED)
-    return mean, float(np.sqrt(chance @ (_TRIED - mean) ** 2))
+    log_norm = np.array([[np.log(np.diag(root)).sum()] for root in roots])
+    excess = max(float(misfit.min()) / age.size, 1.0)  # variance beyond that of the differences
+    log = -0.5 * misfit / excess - log_norm + np.log(ODDS_ROAD)[:, None]
+    probability = np.exp(log - log.max()).sum(axis=0)
+    probability /= probability.sum()
+    mean = float(probability @ _TRIED)
+    return mean, float(np.sqrt(probability @ (_TRIED - mean) ** 2))

@@ -1,8 +1,9 @@
-"""Check a log: its content, and the purposes it is usable for."""
+"""Check a log: what it contains, and for which purposes it is usable."""
 
 import math
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, is_dataclass
+from itertools import chain
 from typing import Any
 
 from calib.base.names import CHANNELS
@@ -20,20 +21,20 @@ from calib.run.wheels import IntervalEstimate
 
 @dataclass(frozen=True)
 class _Verdict:
-    """Whether a log is usable for a purpose; ``reasons`` why not, each with the remedy."""
+    """Whether a log is usable for a purpose."""
 
     purpose: str
     usable: bool
-    reasons: tuple[str, ...]
+    reasons: tuple[str, ...]  # why it is not usable, each with the remedy
 
 
 @dataclass(frozen=True)
 class Findings:
-    """Result of `check` for one log: ``warnings`` do not make it unusable; a verdict by purpose."""
+    """Result of `check` for one log."""
 
     run: Run
-    warnings: tuple[PlausibilityWarning, ...]
-    verdicts: tuple[_Verdict, ...]
+    warnings: tuple[PlausibilityWarning, ...]  # they do not make the log unusable
+    verdicts: tuple[_Verdict, ...]  # one for each purpose
 
     def __repr__(self) -> str:
         lines = [f"  {v.purpose:<12} {'; '.join(v.reasons) or 'usable'}" for v in self.verdicts]
@@ -48,8 +49,8 @@ class Findings:
 def check(log: Log, vehicle: Vehicle | None = None) -> Findings:
     """Check a log and judge it for each purpose, by the rules of that purpose.
 
-    Channels may be missing (``require=()`` of `read_log`). Rules that need a vehicle are checked
-    only with a ``vehicle``, rules that need other logs not here.
+    Channels may be missing (``require=()`` of `read_log`). Rules that need a vehicle are left out
+    without one, and rules that need other logs always.
 
     >>> import calib
     >>> findings = calib.check(calib.read_log(calib.sample_logs() / "sedan" / "coast.csv"))
@@ -59,20 +60,18 @@ def check(log: Log, vehicle: Vehicle | None = None) -> Findings:
     'no braking (no_braking)'
     """
     run = Run(log, vehicle)
-    refused = {name: unusable(run, name) for name in PURPOSES}
-    warnings = warnings_on(Evidence(run), CHECK, whole=not all(refused.values()))
-    return Findings(
-        run,
-        unexplained(warnings, (one for each in refused.values() for one in each)),
-        tuple(
-            _Verdict(name, not reasons, tuple(one.text for one in reasons))
-            for name, reasons in refused.items()
-        ),
-    )
+    refusals = {purpose: unusable(run, purpose) for purpose in PURPOSES}
+    warnings = warnings_on(Evidence(run), CHECK, use_signals=not all(refusals.values()))
+    verdicts = [
+        _Verdict(purpose, not reasons, tuple(reason.text for reason in reasons))
+        for purpose, reasons in refusals.items()
+    ]
+    remaining = unexplained(warnings, chain.from_iterable(refusals.values()))
+    return Findings(run, remaining, tuple(verdicts))
 
 
 def unseen(run: Run) -> tuple[str, ...]:
-    """Channels whose scale no log shows; an error moves all pads as much, see a fit's document."""
+    """Channels whose scale no log shows; an error of it moves all pads as much."""
     scaled = ("p_mc",) if "v" in run.present else ("p_mc", "a_x")
     return tuple(name for name in scaled if name in run.present)
 
@@ -93,7 +92,7 @@ def to_dict(findings: Findings) -> dict[str, Any]:
         "taken": _plain(_origins(log)),
         "unseen": unseen(run),
         "bridged": _plain(log.bridged),
-        "seen": {name: _plain(getattr(run, name)) for name in _SEEN},
+        "seen": {name: _plain(getattr(run, name)) for name in _VIEWS},
         "figures": figures(run),
         "warned": list(dict.fromkeys(warning.code for warning in findings.warnings)),
     }
@@ -103,15 +102,15 @@ def _origins(log: Log) -> tuple[Origin, ...]:
     return tuple(origin for origin in log.origins if origin.channel in CHANNELS)
 
 
-def _as_it_stands(origin: Origin) -> bool:
+def _is_canonical(origin: Origin) -> bool:
     """Whether the file has a channel under its canonical name and unit."""
-    q = CHANNELS[origin.channel]
-    zero, unit = (to_si(x, q.unit, q.si) for x in (0.0, 1.0))
-    same = origin.source == origin.channel and math.isclose(origin.factor, unit - zero)
-    return same and origin.offset == zero
+    quantity = CHANNELS[origin.channel]
+    offset, at_one = (to_si(x, quantity.unit, quantity.si) for x in (0.0, 1.0))
+    has_factor = math.isclose(origin.factor, at_one - offset)
+    return origin.source == origin.channel and has_factor and origin.offset == offset
 
 
-_SEEN = (
+_VIEWS = (
     "present", "missing", "clock", "sensors", "events", "lead_in", "coasting",
     "speed", "z", "alone", "pressures", "wheels_held", "axles",
     "slipping", "wheels",
@@ -120,18 +119,18 @@ _SEEN = (
 
 
 def _plain(x: Any) -> Any:
-    """Nested records as mappings."""
+    """Turn nested records into mappings."""
     if isinstance(x, Sensor):
         return {name: getattr(x, name) for name in FIGURES}
     if isinstance(x, dict):
-        return {name: _plain(y) for name, y in x.items()}
+        return {name: _plain(value) for name, value in x.items()}
     if isinstance(x, tuple):
         return tuple(map(_plain, x))
     return asdict(x) if is_dataclass(x) and not isinstance(x, type) else x
 
 
 def contents(findings: Findings) -> Iterator[tuple[str, str]]:
-    """Label and text of each finding except warnings and verdicts; units of a log file."""
+    """Label and text of each finding except warnings and verdicts, in the units of a log file."""
     run, clock, log = findings.run, findings.run.clock, findings.run.log
     yield "channels", ", ".join(run.present) + (" + truth" if log.truth else "")
     absent = [q.name for q in CHANNELS.values() if not q.required and q.name not in run.present]
@@ -140,13 +139,12 @@ def contents(findings: Findings) -> Iterator[tuple[str, str]]:
     yield "not there", ", ".join(absent) or "-"
     if log.ignored:
         yield "ignored", ", ".join(log.ignored)
-    if not all(map(_as_it_stands, _origins(log))):
-        for origin in _origins(log):
+    origins = _origins(log)
+    if not all(map(_is_canonical, origins)):
+        for origin in origins:
             offset = f" {origin.offset:+.6g}" if origin.offset else ""
-            yield (
-                origin.channel,
-                f"from {origin.source!r} [{origin.unit}] x {origin.factor:.6g}{offset}",
-            )
+            factor = f"[{origin.unit}] x {origin.factor:.6g}{offset}"
+            yield origin.channel, f"from {origin.source!r} {factor}"
     jitter = f"jitter {1e3 * clock.jitter:.2f} ms, {len(clock.gaps)} gaps"
     yield "clock", f"{clock.samples} samples, {clock.duration:.2f} s, {clock.rate:.4g} Hz, {jitter}"
     for sensor in run.sensors:
@@ -171,8 +169,10 @@ def _sensor(sensor: Sensor) -> str:
         return f"{from_si(value, quantity.unit, quantity.si):.{digits}g}"
 
     parts = [f"{written(sensor.low)} to {written(sensor.high)} {quantity.unit}"]
-    parts += [f"steps of {written(sensor.resolution, 2)}"] if sensor.resolution else []
-    parts += [] if math.isnan(sensor.noise) else [f"noise {written(sensor.noise, 2)}"]
+    if sensor.resolution:
+        parts.append(f"steps of {written(sensor.resolution, 2)}")
+    if not math.isnan(sensor.noise):
+        parts.append(f"noise {written(sensor.noise, 2)}")
     return ", ".join(parts)
 
 

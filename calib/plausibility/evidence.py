@@ -1,4 +1,4 @@
-"""Evidence for the figures of a run."""
+"""What the figures of a run are computed from."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,14 +10,10 @@ from calib.run.run import Run
 
 @dataclass(frozen=True)
 class Evidence:
-    """Inputs of the figures of a ``run``.
-
-    ``accelerometer`` with a known resistance; ``straight`` runs of the same car on a straight road;
-    ``levels`` of the brakes in the other logs of a diagnosis, over the pads of the file [1].
-    """
+    """A run, and what is known of it from a vehicle and from other runs."""
 
     run: Run
-    accelerometer: Accelerometer | None = None
+    accelerometer: Accelerometer | None = None  # errors of a_x, with a known resistance
     response: BrakeResponse | None = None
-    straight: Sequence[Run] = ()
-    levels: Sequence[float] = ()
+    straight: Sequence[Run] = ()  # runs of the same car on a straight road
+    levels: Sequence[float] = ()  # pads of the other logs of a diagnosis over the file's [1]

@@ -19,7 +19,7 @@ from calib.run.blocks import BLOCK
 from calib.run.driving_record import NOMINAL_RADIUS
 from calib.run.lateral import lateral, sides
 
-_WANDERS = 0.5  # probability of a changing slope from which a_x is compared with v [1]
+_SLOPE_CHANGES = 0.5  # probability of a changing slope from which a_x is compared with v [1]
 _MOTOR, LEAST_ODDS = 0.67, 0.01
 """Posterior odds from which a motor is reported [1], low because an unreported motor moves the
 pads; least prior odds, also where the vehicle file excludes a motor."""
@@ -31,84 +31,89 @@ below 3 m/s. Pads that grip more at low speed make it negative."""
 _UPRIGHT = 0.1
 """Deceleration [1] beyond which left and right are not compared: in a bend the inner wheels bear
 less and slip more, which looks like a tighter bend."""
+_LEAST_Z = 0.1  # least usual deceleration of a braking [1], to which the noise of z is related
 _STEP_NOISE = 3.2
 """Sigma of the difference of two medians over 0.3 s, over the density of the noise [1/s^0.5]: a
 median has 1.25 sigma of a mean, and 1.25 sqrt(2/0.3) is 3.2."""
 
 
-def bend(e: Evidence) -> Iterator[Measured]:
+def bend(evidence: Evidence) -> Iterator[Measured]:
     """Mean lateral acceleration [m/s^2]; without ``straight`` runs it looks like unlike radii."""
-    s = e.run.signals
+    run, s = evidence.run, evidence.run.signals
     upright = (s.speed > MOVING) & (s.z < _UPRIGHT)
-    if e.straight and upright.any():
-        fast, logs = 2.0 * MOVING / NOMINAL_RADIUS, (run.log for run in e.straight)
-        equal = [sides(log)[log["omega_rl"] + log["omega_rr"] > fast] for log in logs]
-        straight = float(np.mean(np.concatenate(equal)))
-        turned = lateral(e.run.log, s, e.run.car.track_width, straight)
+    if evidence.straight and upright.any():
+        fast, logs = 2.0 * MOVING / NOMINAL_RADIUS, (run.log for run in evidence.straight)
+        ratios = [sides(log)[log["omega_rl"] + log["omega_rr"] > fast] for log in logs]
+        straight = float(np.mean(np.concatenate(ratios)))
+        turned = lateral(run.log, s, run.car.track_width, straight)
         yield Measured("bend", float(np.mean(turned[upright])))
 
 
-def accelerometer(e: Evidence) -> Iterator[Measured]:
-    """Scale, slope, offset and drag."""
-    sensor = e.accelerometer
+def accelerometer(evidence: Evidence) -> Iterator[Measured]:
+    """Scale of a_x, slope of the road, offset and drag."""
+    run, sensor = evidence.run, evidence.accelerometer
     if sensor is None:
         return
-    if e.run.other_scale == 0.0:
+    if run.other_scale == 0.0:
         scale = sensor.scale / (1.0 - sensor.scale)
         yield Measured("a_x_scale", scale, math.sqrt(sensor.variance_scale))
-    if sensor.walk_probability > _WANDERS:
-        noise = e.run.noise  # of means over 1 s, as they are compared
-        sigma = math.hypot(noise.z, math.sqrt(2.0 / BLOCK) * noise.v / G)
+    if sensor.walk_probability > _SLOPE_CHANGES:
+        # a_x and v are compared by their means over 1 s
+        sigma = math.hypot(run.noise.z, math.sqrt(2.0 / BLOCK) * run.noise.v / G)
         yield Measured("a_x_against_v", sensor.disagreement, sigma)
     yield Measured("a_x_offset", -G * sensor.bias, G * math.sqrt(sensor.variance_bias))
     yield Measured("unexplained_drag", G * sensor.drag)
 
 
-def a_x_late(e: Evidence) -> Iterator[Measured]:
+def a_x_late(evidence: Evidence) -> Iterator[Measured]:
     """Delay of a_x against v, or against the wheel speeds."""
-    if e.run.vehicle is not None and (delay := acceleration_delay(e.run)) is not None:
+    delay = acceleration_delay(evidence.run) if evidence.run.vehicle else None
+    if delay is not None:
         yield Measured("a_x_late", delay.value, delay.sigma, words={"against": delay.against})
 
 
-def brakes(e: Evidence) -> Iterator[Measured]:
+def brakes(evidence: Evidence) -> Iterator[Measured]:
     """Force without pressure, and the delay of the brakes.
 
     A motor that brakes from the first pressure on is a force without pressure. One that hands over
     to the brakes before the car stands is a force that fades with the speed, which only a run
     braked to below 3 m/s shows. Each alone and both have the same prior odds.
     """
-    response = e.response
-    if response is None or e.run.vehicle is None:
+    response, vehicle = evidence.response, evidence.run.vehicle
+    if response is None or vehicle is None:
         return
-    share, fading_share = response.share, response.fading
-    early = likelihood_ratio(share, math.hypot(response.share_sigma, _USUAL), _FORCE)
-    fading = likelihood_ratio(fading_share, math.hypot(response.fading_sigma, _FADING), _FORCE)
-    odds = max(e.run.vehicle.motor_odds, LEAST_ODDS)
+    early_sigma = math.hypot(response.share_sigma, _USUAL)
+    fading_sigma = math.hypot(response.fading_sigma, _FADING)
+    early = likelihood_ratio(response.share, early_sigma, _FORCE)
+    fading = likelihood_ratio(response.fading, fading_sigma, _FORCE)
+    odds = max(vehicle.motor_odds, LEAST_ODDS)
     if odds * (early + fading + early * fading) / 3.0 > _MOTOR:
-        yield Measured("unexplained_braking_force", share if early > fading else fading_share)
-    yield Measured("braking_force_missing", share, response.share_sigma)
+        force = response.share if early > fading else response.fading
+        yield Measured("unexplained_braking_force", force)
+    yield Measured("braking_force_missing", response.share, response.share_sigma)
     yield Measured("pressure_lag", response.delay, response.delay_sigma)
 
 
-def force_step(e: Evidence) -> Iterator[Measured]:
-    """The largest step of the force without one of the pressure; sigma is that of such steps.
+def force_step(evidence: Evidence) -> Iterator[Measured]:
+    """The largest step of the force without one of the pressure, and sigma of such steps.
 
     A short stop has few steps, whose scatter is small by chance: sigma is at least what the noise
     of z on the lead-in makes.
     """
-    if e.response is None or e.run.vehicle is None:
+    run, response = evidence.run, evidence.response
+    if response is None or run.vehicle is None:
         return
-    time, step, scatter = e.response.force_step
-    b = e.run.blocks
+    time, step, scatter = response.force_step
+    b = run.blocks
     braked = (np.maximum(b.p_f, b.p_r) > BITE) & (b.speed > MOVING)
-    usual = max(float(np.median(b.z[braked])), _UPRIGHT) if braked.any() else 1.0
-    noise = _STEP_NOISE * e.run.lead_in_noise.z / usual
+    usual_z = max(float(np.median(b.z[braked])), _LEAST_Z) if braked.any() else 1.0
+    noise = _STEP_NOISE * run.lead_in_noise.z / usual_z
     yield Measured("force_step", step, max(scatter, noise), words={"at": time})
 
 
-def levels(e: Evidence) -> Iterator[Measured]:
+def levels(evidence: Evidence) -> Iterator[Measured]:
     """Brakes of one log of a diagnosis over the median of two others or more (logarithm)."""
-    if e.response is not None and len(e.levels) >= 2:
-        yield Measured(
-            "level_changed", math.log(e.response.level / median(e.levels)), to_display=math.expm1
-        )
+    response = evidence.response
+    if response is not None and len(evidence.levels) >= 2:
+        change = math.log(response.level / median(evidence.levels))
+        yield Measured("level_changed", change, to_display=math.expm1)

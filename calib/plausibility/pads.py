@@ -1,4 +1,4 @@
-"""Compare the pads of a calibration or of a stop with vehicle file, sensors and tyres."""
+"""Figures of the pads and tyres of a calibration, and of the change of the pads in a stop."""
 
 import math
 from collections.abc import Iterator
@@ -13,11 +13,11 @@ from calib.table.table import Calibration, Value
 _POSSIBLE = (0.05, 1.0)
 """Range of pad friction [1]: soaked pads have 0.1, racing pads 0.7."""
 _GRADES = 0.26
-"""Difference of the pads' ratio from that of the file (logarithm) from which the file is of another
-car, if the whole interval is beyond: pads of two grades differ by 30 %."""
+"""Largest ratio of front to rear pads over that of the file (logarithm): two grades differ by 30 %.
+If the whole interval is beyond, the file is of another car."""
 _LOADED = 0.25
-"""Largest change of the brakes (logarithm) by a load or a sensor: full load is a quarter of a car's
-mass; soaked pads lose half."""
+"""Largest change of the brakes (logarithm) by a load, a quarter of a car's mass, or a sensor.
+Soaked pads lose half."""
 
 
 def require_possible_pads(
@@ -26,23 +26,24 @@ def require_possible_pads(
     warnings: tuple[PlausibilityWarning, ...],
     motor: str = "",
 ) -> None:
-    """Raise VehicleError for an impossible friction, or if the whole interval of the ratio is.
+    """Raise VehicleError for pads, or an interval of their ratio, that no car can have.
 
-    The error lists the ``warnings`` on file and logs; text of a ``motor`` that explains the ramps
-    as well comes first.
+    The error lists the ``warnings`` on file and logs. If a motor explains the ramps as well, the
+    text ``motor`` is the first cause.
     """
     pads = (fitted.pad_friction_f.value, fitted.pad_friction_r.value)
     (low, high), rho = _POSSIBLE, fitted.pad_log_ratio
-    apart = abs(rho.value) - Z95 * rho.sigma > _GRADES
-    if not apart and low <= min(pads) and max(pads) <= high:
+    are_apart = abs(rho.value) - Z95 * rho.sigma > _GRADES
+    if not are_apart and low <= min(pads) and max(pads) <= high:
         return
-    entry = "the unit or the scale of p_mc or a_x, areas, faces, radii or mass in the file"
-    if apart:
-        entry = "area, radius or faces of one axle in the file, or [front] and [rear] exchanged"
+    cause = "the unit or the scale of p_mc or a_x, areas, faces, radii or mass in the file"
+    if are_apart:
+        cause = "area, radius or faces of one axle in the file, or [front] and [rear] exchanged"
+    causes = f"{motor}; or {cause}" if motor else cause
     raise VehicleError(
         f"the pads come out at {pads[0]:.3g} in front and {pads[1]:.3g} behind, and the file has "
         f"{vehicle.front.pad_friction:g} and {vehicle.rear.pad_friction:g}: it is not that of the "
-        f"car of these logs; most likely {'; or '.join(filter(None, (motor, entry)))}",
+        f"car of these logs; most likely {causes}",
         where=vehicle.name,
         expected=f"pads of {low:g} to {high:g}, whose ratio differs from the file's by less than "
         f"{100 * math.expm1(_GRADES):.0f} %",
@@ -52,7 +53,7 @@ def require_possible_pads(
     )
 
 
-def of_calibration(
+def calibration_figures(
     vehicle: Vehicle, fitted: Calibration, user_specified: Value | None = None
 ) -> Iterator[Measured]:
     """Pads over the file's, their ratio over the ``user_specified`` (logarithm), tyre stiffness."""
@@ -71,12 +72,12 @@ def of_calibration(
     yield Measured("tyre_stiffness", fitted.slip_stiffness.value)
 
 
-def of_changes(level: tuple[float, float], apart: tuple[float, float]) -> Iterator[Measured]:
-    """Change of the brakes from ramp to stop; logarithms, each with its sigma.
+def change_figures(level: tuple[float, float], ratio: tuple[float, float]) -> Iterator[Measured]:
+    """Change of the brakes from ramp to stop: logarithms, each with its sigma.
 
-    ``level`` of the brake force; ``apart`` change of the front pads over that of the rear ones: to
-    eta and slip, tyres, a load or a motor look the same.
+    ``level`` is that of the brake force, ``ratio`` that of the front pads over the rear ones. In
+    eta and slip, tyres, a load or a motor look like a change of the ratio.
     """
-    yield Measured("pads_changed_apart", *apart, math.expm1)
+    yield Measured("pads_changed_apart", *ratio, math.expm1)
     if abs(level[0]) < _LOADED:
         yield Measured("level_changed", *level, math.expm1)

@@ -1,9 +1,9 @@
-"""Judge a run for a purpose by the rules: `check` uses the same rows as the purpose itself.
+"""Judge a run for a purpose by the rules; `check` uses the same rules as the purpose itself.
 
-run --figures--> rows of `rules.csv` for the purpose --> refused, void, or warned of
+run --figures--> measured values --rows of `rules.csv` for the purpose--> warnings
 
 Figures of the log alone come first; if they refuse it, its signals are not computed. Rules that
-need a vehicle count where there is one. Reasons come in the order of the rows, causes first.
+need a vehicle are left out without one. Warnings come in the order of the rows, causes first.
 """
 
 from collections.abc import Callable, Collection, Iterator
@@ -27,9 +27,9 @@ from calib.run.run import Run
 
 FIT, COAST, VALIDATE, DIAGNOSE, CHECK = "fit", "coast", "validate", "diagnose", "check"
 PURPOSES = (FIT, VALIDATE, COAST, DIAGNOSE)
-"""Purposes of a log; "coast": for a fit, beside its ramps."""
+"""Purposes of a log; a coast is for a fit, beside its ramps."""
 
-_CALLED = {
+_REFUSALS = {
     FIT: "this run will not do for a fit",
     COAST: "this coast will not do for a fit",
     VALIDATE: "this run cannot be used for a validation",
@@ -39,87 +39,89 @@ _CALLED = {
 Figure = Callable[[Evidence], Iterator[Measured]]
 
 _OF_LOG: tuple[Figure, ...] = (
-    *(driving.clock, channels.channels, channels.computed, channels.marked, channels.sensors),
-)
-"""Figures of any log, each named as in the rules."""
+    driving.clock, channels.channels, channels.computed, channels.impossible_samples,
+    channels.sensors,
+)  # fmt: skip
+"""Figures of any log, each named as in `rules.csv`."""
 _OF_MOTION: tuple[Figure, ...] = (
-    *(wheels.wheel_sign, driving.driving, driving.use, wheels.a_x_follows),
-    *(wheels.wheels, wheels.radii),
-    *(channels.at_rest, channels.pressure, channels.speed, channels.held_values),
-)
-"""Those that need a_x and the wheel speeds."""
+    wheels.wheel_sign, driving.driving, driving.maneuver, wheels.a_x_follows, wheels.wheels,
+    wheels.radii, channels.zero_of_pressure, channels.pressure, channels.reference_speed,
+    channels.held_values,
+)  # fmt: skip
+"""Figures that need a_x and the wheel speeds."""
 _OF_SIGNALS: tuple[Figure, ...] = (
-    *(channels.copied, channels.late, channels.pressure_sides, channels.from_master),
-    *(wheels.car_wheels, wheels.a_x_by_wheels, wheels.slip, wheels.slip_of_v, wheels.v_scale),
-    *(forces.accelerometer, forces.a_x_late, forces.brakes, forces.force_step),
-    *(forces.bend, forces.levels),
-)
-"""Those that need all channels, and a car that moves."""
+    channels.copied, channels.delay_of_v, channels.pressure_sides, channels.from_master,
+    wheels.car_wheels, wheels.a_x_by_wheels, wheels.slip, wheels.slip_of_v, wheels.v_scale,
+    forces.accelerometer, forces.a_x_late, forces.brakes, forces.force_step, forces.bend,
+    forces.levels,
+)  # fmt: skip
+"""Figures that need all channels, and a car that moves."""
 
 
 def unusable(
-    run: Run, purpose: str, does: Collection[str] = (REFUSE, VOID)
+    run: Run, purpose: str, consequences: Collection[str] = (REFUSE, VOID)
 ) -> tuple[PlausibilityWarning, ...]:
     """Reasons for which a run is refused, or its result void, before any estimate."""
-    e, (first, second) = Evidence(run), _figures(run)
-    return _broken(e, first, purpose, does) or _broken(e, second, purpose, does)
+    evidence, (of_log, of_signals) = Evidence(run), _figures(run)
+    reasons = _broken(evidence, of_log, purpose, consequences)
+    return reasons or _broken(evidence, of_signals, purpose, consequences)
 
 
 def require(run: Run, purpose: str) -> None:
-    """Raise LogError with every reason for a run that will not do for a purpose."""
+    """Raise LogError with every reason for which a run is refused for a purpose."""
     require_none(unusable(run, purpose, (REFUSE,)), run, purpose)
 
 
 def require_none(reasons: tuple[PlausibilityWarning, ...], run: Run, purpose: str) -> None:
     """Raise LogError with all ``reasons`` against a run, each in its line, if there are any."""
     if reasons:
-        first, *more = (one.text for one in reasons)
-        flaw, do = f"{_CALLED[purpose]}: {first}", "see `brake-cal check`"
-        raise LogError(flaw, where=run.log.source, do=do, lines=tuple(more))
+        first, *others = (reason.text for reason in reasons)
+        flaw, do = f"{_REFUSALS[purpose]}: {first}", "see `brake-cal check`"
+        raise LogError(flaw, where=run.log.source, do=do, lines=tuple(others))
 
 
 def warnings_on(
-    e: Evidence, purpose: str, does: Collection[str] = (WARN,), *, whole: bool = True
+    evidence: Evidence,
+    purpose: str,
+    consequences: Collection[str] = (WARN,),
+    *,
+    use_signals: bool = True,
 ) -> tuple[PlausibilityWarning, ...]:
-    """Warnings on a run for a purpose, in the order of the rules; ``does`` their consequences.
+    """Warnings on a run for a purpose, in the order of the rules, with these consequences.
 
-    Not ``whole``: by the log alone, if it is refused.
+    Without ``use_signals`` they rest on the log and its motion alone, as for a refused run.
     """
-    first, second = _figures(e.run)
-    return _broken(e, (*first, *second) if whole else first, purpose, does)
+    of_log, of_signals = _figures(evidence.run)
+    figures = (*of_log, *of_signals) if use_signals else of_log
+    return _broken(evidence, figures, purpose, consequences)
 
 
 def _figures(run: Run) -> tuple[tuple[Figure, ...], tuple[Figure, ...]]:
     """Figures of the log and its motion, and those of its signals, if it has what they need."""
-    first = (*_OF_LOG, *_OF_MOTION) if run.moves else _OF_LOG
-    return first, _OF_SIGNALS if not run.missing and run.speed > MOVING else ()
+    of_log = (*_OF_LOG, *_OF_MOTION) if run.moves else _OF_LOG
+    return of_log, _OF_SIGNALS if not run.missing and run.speed > MOVING else ()
 
 
 def _broken(
-    e: Evidence, figures: tuple[Figure, ...], purpose: str, does: Collection[str]
+    evidence: Evidence, figures: tuple[Figure, ...], purpose: str, consequences: Collection[str]
 ) -> tuple[PlausibilityWarning, ...]:
-    by_name = {figure.__name__: figure for figure in figures}
-    to_compute = [by_name[name] for name in _figure_names(purpose, tuple(does)) if name in by_name]
-    name = e.run.log.name
-    return unexplained(
-        w for figure in to_compute for w in rule_warnings(name, figure(e), purpose, does)
-    )
+    """Warnings of the rules that the figures break; a figure that no rule needs is not computed."""
+    by_name, log = {figure.__name__: figure for figure in figures}, evidence.run.log.name
+    warnings: list[PlausibilityWarning] = []
+    for name in _figure_names(purpose, tuple(consequences)):
+        if name in by_name:
+            warnings += rule_warnings(log, by_name[name](evidence), purpose, consequences)
+    return unexplained(warnings)
 
 
 @cache
-def _figure_names(purpose: str, does: tuple[str, ...]) -> tuple[str, ...]:
+def _figure_names(purpose: str, consequences: tuple[str, ...]) -> tuple[str, ...]:
     """Names of the figures that a purpose needs, in the order of the rules."""
-    figures = (
-        rule.figure for rule in RULES if purpose in rule.purposes and rule.consequence in does
-    )
-    return tuple(dict.fromkeys(figures))
+    rules = (r for r in RULES if purpose in r.purposes and r.consequence in consequences)
+    return tuple(dict.fromkeys(rule.figure for rule in rules))
 
 
 def makes_void(warning: PlausibilityWarning, purpose: str) -> bool:
-    """Whether a result with this warning counts for nothing."""
-    rules = (
-        r
-        for r in RULES
-        if r.code == warning.code and r.consequence == VOID and purpose in r.purposes
-    )
-    return any(not rule.low <= warning.measured <= rule.high for rule in rules)
+    """Whether a result with this warning is void."""
+    rules = (r for r in RULES if r.code == warning.code and purpose in r.purposes)
+    return any(r.consequence == VOID and not r.low <= warning.measured <= r.high for r in rules)

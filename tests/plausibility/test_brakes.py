@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from calib.base.names import WHEELS
-from calib.plausibility.channels import at_rest, pressure_sides
+from calib.plausibility.channels import pressure_sides, zero_of_pressure
 from calib.plausibility.evidence import Evidence
 from calib.plausibility.forces import brakes, force_step
 from calib.run.brake_response import BrakeResponse, _ForceStep
@@ -94,7 +94,7 @@ def test_a_motor_is_named_by_its_chance_as_by_counting_all_shares(odds, sigma, f
 def test_the_zero_of_the_pressure_is_measured(zero):
     log = noisy(stop(REAL), 1)
     log.channels["p_mc"] = log["p_mc"] + zero
-    (warning,) = broken([at_rest], Evidence(Run(log)))
+    (warning,) = broken([zero_of_pressure], Evidence(Run(log)))
     assert warning.code == "pressure_zero"
     assert warning.measured == pytest.approx(zero / 1e5, abs=0.1)
 

@@ -6,7 +6,13 @@ import numpy as np
 import pytest
 
 from calib.base.warning import REFUSE, RULES
-from calib.plausibility.channels import at_rest, copied, held_values, late, pressure_sides
+from calib.plausibility.channels import (
+    copied,
+    delay_of_v,
+    held_values,
+    pressure_sides,
+    zero_of_pressure,
+)
 from calib.plausibility.check import check
 from calib.plausibility.evidence import Evidence
 from calib.plausibility.rules import FIT, unusable
@@ -27,7 +33,7 @@ def found(log):
 
 
 def of(log, *more):
-    figures = copied, held_values, late, at_rest, pressure_sides
+    figures = copied, held_values, delay_of_v, zero_of_pressure, pressure_sides
     return broken((*figures, *more), Evidence(Run(log, CAR)))
 
 

@@ -9,8 +9,8 @@ from calib.base.errors import VehicleError
 from calib.base.warning import rule_warnings
 from calib.fitting.fit import fit
 from calib.plausibility.pads import (
-    of_calibration,
-    of_changes,
+    calibration_figures,
+    change_figures,
     require_possible_pads,
 )
 from calib.plausibility.rules import VALIDATE
@@ -32,7 +32,7 @@ def calibration(front=1.0, rear=1.0, sigma=0.02, stiffness=25.0):
 
 
 def codes(pads):
-    return [one.code for one in rule_warnings("car", of_calibration(CAR, pads))]
+    return [one.code for one in rule_warnings("car", calibration_figures(CAR, pads))]
 
 
 @pytest.mark.parametrize(
@@ -68,7 +68,7 @@ def test_a_friction_that_no_pad_has_is_refused(factor):
 
 @pytest.mark.parametrize(("apart", "sigma", "named"), [(0.2, 0.05, 1), (0.2, 0.2, 0), (0.04, 0, 0)])
 def test_pads_that_changed_apart(apart, sigma, named):
-    found = rule_warnings("log", of_changes((0.0, 0.02), (apart, sigma)))
+    found = rule_warnings("log", change_figures((0.0, 0.02), (apart, sigma)))
     assert len(found) == named
     assert all(one.measured == pytest.approx(math.expm1(apart)) for one in found)
 
@@ -79,7 +79,7 @@ def test_pads_that_changed_apart(apart, sigma, named):
     ids=["heavier", "lighter", "unsure", "as usual", "soaked pads"],
 )
 def test_brakes_that_another_load_or_sensor_makes_seem_changed(level, sigma, named):
-    found = rule_warnings("log", of_changes((level, sigma), (0.0, 0.02)), VALIDATE)
+    found = rule_warnings("log", change_figures((level, sigma), (0.0, 0.02)), VALIDATE)
     assert len(found) == named
     for one in found:
         assert one.measured == pytest.approx(math.expm1(level))
