@@ -111,7 +111,7 @@ _FEWEST_BURSTS = 5  # fewest long steps between bursts; fewer are jumps of the c
 _JUMPS = 0.3  # least share of a log [1] in the jumps of a clock whose ms have four digits
 
 
-def check_clock(time: Array, where: str, unit: str = "s") -> None:
+def check_clock(time: Array, where: str, unit: str) -> None:
     """Check ``time`` [s], shape (n,): enough samples, increasing, and `check_steps`."""
     if time.size < _MIN_SAMPLES:
         raise LogError(

@@ -58,7 +58,7 @@ def open_log(
     path, content = Path(path), Path(file or path)
     ending = ending_of(path)
     if data is None and ending not in RECORDINGS:
-        data = log_bytes(path, path)
+        data = log_bytes(content, path)
     if data is not None:
         head, digest = data[:64], hashlib.sha256(data).hexdigest()
     else:

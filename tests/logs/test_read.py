@@ -54,6 +54,11 @@ def test_gives_si(tmp_path):
     assert log.digest == hashlib.sha256(path.read_bytes()).hexdigest()
 
 
+def test_a_file_may_hold_the_log_of_another_name(tmp_path):
+    log = read_log("line 7/ramp.csv", file=write(tmp_path, table()))
+    assert (log.name, log.source, log.time.size) == ("ramp", "line 7/ramp.csv", 60)
+
+
 def test_truth_and_foreign_columns_are_kept_apart(tmp_path):
     more = {"true_Tb_fl [kN*m]": "1.5", "true_mu_pad_f [%]": "38", "true_hue [hue]": "3", "x": "a"}
     log = read_log(write(tmp_path, table() | {k: [v] * 60 for k, v in more.items()}))

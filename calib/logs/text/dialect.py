@@ -66,20 +66,20 @@ def cells_of(line: str, separator: str) -> list[str]:
     return [cell.strip() for cell in cells]
 
 
-def sample_of(data: bytes, start: int, count: int = 8, width: int = 16384) -> list[str]:
-    """Complete lines from ``start``, the middle and the end of a file, ``count`` of each.
+_LINES, _WIDTH = 8, 16384  # most lines and bytes that are read at each place of a sample
 
-    At most ``width`` bytes are read at each place. Lines of a short file may come twice.
-    """
+
+def sample_of(data: bytes, start: int) -> list[str]:
+    """Complete lines from ``start``, the middle and the end; some twice if the file is short."""
 
     def complete_lines(begin: int) -> list[bytes]:
-        end = begin + width
+        end = begin + _WIDTH
         end = len(data) if end >= len(data) else data.rfind(b"\n", begin, end) + 1
         return data[begin:end].splitlines()
 
-    head = complete_lines(start)[:count]
-    middle = complete_lines((start + len(data)) // 2)[1 : count + 1]
-    tail = data[max(start, len(data) - width) :].rstrip(b"\r\n").splitlines()[-count:]
+    head = complete_lines(start)[:_LINES]
+    middle = complete_lines((start + len(data)) // 2)[1 : _LINES + 1]
+    tail = data[max(start, len(data) - _WIDTH) :].rstrip(b"\r\n").splitlines()[-_LINES:]
     return [line.decode(errors="replace") for line in (*head, *middle, *tail) if line.strip()]
 
 
