@@ -14,8 +14,7 @@ def released_cars(store: Store, vehicle: Vehicle, logs: Collection[str]) -> dict
     """Return the newest released table of each car of the model of ``vehicle``, by name@version.
 
     Left out are means, tables of ramps whose digests are in ``logs``, and tables with a prior from
-    other cars or from a tyre file: the same evidence would count twice. Raises StoreError where no
-    table remains.
+    other cars or a tyre file, whose evidence would count twice. Raises StoreError without a table.
     """
     snapshot = store.snapshot()
     journal = snapshot.journal

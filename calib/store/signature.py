@@ -2,9 +2,8 @@
 
 The signature is over the record file, which holds the digests of all curves. Its trusted comment
 ends with the head of the journal, which has the state of the version. A signature is valid while
-the journal contains that head and the version has the state that it had at that head. A store is an
-older copy if its journal lacks a head that the key has signed, or that this user has seen
-(`calib.store.seen`).
+the journal contains that head and the version still has that state. A store is an older copy if its
+journal lacks a head that the key has signed, or that this user has seen, see `calib.store.seen`.
 """
 
 import re
@@ -94,9 +93,8 @@ def verify_signed(
 ) -> tuple[tuple[StoreEntry, ...], str]:
     """Return the entries of `Store.verify` with signatures, and a note as in `_Signed`.
 
-    Every version that was ever released must have a signature by the key ``public``, and every
-    signature by that key must be valid. Raises as `Store.verify`, and SignatureRefused for an older
-    copy of the store.
+    Every version that was ever released must have a signature by ``public``, and every signature by
+    it must be valid. Raises as `Store.verify`, and SignatureRefused for an older copy.
     """
     snapshot, seen_journals = _require_newest(store, public)
     entries = store.verify(name, lambda entry: _with_signature(snapshot, entry, public))

@@ -135,17 +135,16 @@ class Store:
     ) -> tuple[StoreEntry, ...]:
         """Compare the versions of one table, or of all, with digests, invariants and journal.
 
-        Return the entry of each version and of each folder that is not in the journal. To hold one
-        table at a time, ``examine`` gets an entry with its table and may add to it; then the table
-        is dropped.
+        Return entries, without tables, of all versions and of folders that are not in the journal.
+        ``examine`` gets each entry with its table, one at a time, and may add to the entry.
         """
         with self._unlocked() as snapshot:
             all_names = {*snapshot.names, *names_in(self.folder)}
             names = [snapshot.require_table(name)] if name else sorted(all_names)
             entries = (
-                snapshot.verified(table, version)
-                for table in names
-                for version in snapshot.with_strays(table)
+                snapshot.verified(table_name, version)
+                for table_name in names
+                for version in snapshot.with_strays(table_name)
             )
             return tuple(replace(examine(entry), stored=None) for entry in entries)
 

@@ -10,13 +10,7 @@ import pytest
 
 import calib.store.minisign
 from calib.base.errors import KeyFileError, SignatureRefused
-from calib.store.minisign import (
-    generate,
-    read_public_key,
-    read_secret_key,
-    read_signature,
-    verify,
-)
+from calib.store.minisign import generate, read_public_key, read_secret_key, read_signature, verify
 from tests.store.golden.make import COMMENT, DATA, HERE, PASSWORD
 
 CHEAP = {"opslimit": 2**15, "memlimit": 2**24}

@@ -55,9 +55,8 @@ def run_batch(
 class BatchRun:
     """A run over ``total`` logs: it submits them to workers and writes rows into the journal.
 
-    ``counts`` has the number of rows by status, ``computed`` the number of rows that this run and
-    no earlier one made. ``report`` is called with the run after each chunk, ``on_row`` with each
-    new row.
+    ``counts`` has the number of rows by status, ``computed`` the number of rows that this run made.
+    ``report`` is called with the run after each chunk, ``on_row`` with each new row.
     """
 
     def __init__(
@@ -171,8 +170,7 @@ def find_logs(arguments: Iterable[str], out: Path) -> Iterator[str]:
 
     An argument is a file, a pattern, or a folder with all logs in it and below. Hidden files, the
     results in ``out``, and all of an ``out`` within a folder are left out. A missing file with the
-    ending of a log is a path, too: its row will have an error. Raises LogError for an argument
-    without a log.
+    ending of a log gets a row with an error. Raises LogError for an argument without a log.
     """
     results = os.path.realpath(out / NAME)
     for argument in arguments:

@@ -4,8 +4,7 @@
     rows       log, digest, status, error, cells (JSON), lost
 
 Rows that finish together are one transaction, which is on the disk when `add` returns: a kill -9 or
-a power failure loses none of them. While a process runs, its exclusive lock on the database keeps a
-second run out.
+a power failure loses none of them. The database is locked, so that a second run is refused.
 """
 
 import errno

@@ -52,13 +52,7 @@ MAX_FALSE_ALARMS = binom.ppf(0.999, FLEETS, 0.05)
 
 @pytest.mark.parametrize(
     ("draw", "metrics", "cars"),
-    [
-        (long_tails, 1, 60),
-        (skewed, 1, 60),
-        (skewed, 6, 300),
-        (mixed, 12, 200),
-        (shrunk, 1, 60),
-    ],
+    [(long_tails, 1, 60), (skewed, 1, 60), (skewed, 6, 300), (mixed, 12, 200), (shrunk, 1, 60)],
 )
 def test_a_page_of_good_cars_seldom_names_a_car(draw, metrics, cars):
     assert false_alarms(draw, metrics, cars) <= MAX_FALSE_ALARMS

@@ -28,9 +28,7 @@ def with_pads(front, rear):
     """The sample car, whose pads are 0.38 all round, with other ones in its file."""
     car = read_vehicle(SEDAN / "vehicle.toml")
     return replace(
-        car,
-        front=replace(car.front, pad_friction=front),
-        rear=replace(car.rear, pad_friction=rear),
+        car, front=replace(car.front, pad_friction=front), rear=replace(car.rear, pad_friction=rear)
     )
 
 
