@@ -65,7 +65,7 @@ class _TyreSection(Section):
 
 
 class _EmpiricalSection(Section):
-    """An empirical term, as in `EmpiricalTerm`."""
+    """An empirical term, as in `EmpiricalTerm`: values at the knots of a driver, in SI."""
 
     place: Annotated[str, OneOf(tuple(PLACES))]
     driver: Annotated[str, OneOf(tuple(DRIVERS))]
