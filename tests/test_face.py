@@ -108,6 +108,13 @@ def test_a_version_of_a_store_is_judged_as_its_table(fitted, tmp_path):
     )
 
 
+def test_a_log_in_place_of_a_list_of_logs_is_a_type_error(fitted):
+    held_out = noisy(stop(REAL), 2)
+    for call, car in ((calib.fit, REAL.vehicle), (calib.validate, fitted)):
+        with pytest.raises(TypeError, match="'Log' object is not iterable"):
+            call(car, held_out)
+
+
 def test_a_result_is_drawn_and_has_a_page_in_a_frame(fitted):
     (judged,) = calib.validate(fitted, [noisy(stop(REAL), 2)])
     for result, panels in ((fitted, 5), (judged.estimate, 5), (judged, 5)):

@@ -58,6 +58,8 @@ class Log:
     def __contains__(self, channel: str) -> bool:
         return channel in self.channels
 
+    __iter__ = None  # a log in place of a list of logs is a TypeError
+
     @property
     def time(self) -> Array:
         """t [s], strictly increasing."""

@@ -26,7 +26,7 @@ def clock(evidence: Evidence) -> Iterator[Measured]:
     starts = [run.log.time[0], *(start + length for start, length in sampling.gaps)]
     ends = [*(start for start, _ in sampling.gaps), run.log.time[-1]]
     start, end = max(zip(starts, ends, strict=True), key=lambda part: part[1] - part[0])
-    words = {"count": len(sampling.gaps), "start": start, "end": end, "log": run.log.source}
+    words = {"count": len(starts), "start": start, "end": end, "log": run.log.source}
     yield Measured("clock_gaps", longest_gap, words=words)
 
 
