@@ -182,3 +182,8 @@ def test_a_table_sorts_by_numbers_and_shows_what_failed(browser, tmp_path):
         assert ask(browser, names) == order
     browser.find_element("css selector", "main > label input").click()
     assert ask(browser, names) == "ac"
+    # a head with another box in it would be printed on its first page alone
+    browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
+    display = "getComputedStyle(document.querySelector('thead button')).display"
+    assert ask(browser, display) == "contents"
+    browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
