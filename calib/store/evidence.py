@@ -10,7 +10,7 @@ from calib.store.state import Evidence
 from calib.store.version import Stored
 
 CONSISTENT = "consistent, not proved"
-"""Verdict of a validation on logs without truth and speed v, which show no error of the table."""
+"""Verdict of a passed validation without truth and speed v, which can miss errors of the table."""
 
 
 def read_evidence(path: Path, stored: Stored) -> tuple[Evidence, str]:

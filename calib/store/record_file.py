@@ -1,5 +1,6 @@
-"""Schemas of two JSON files: the record of a table, which `table_of` turns into the table again,
-and the summary of a validation.
+"""Schemas of two JSON files: the record of a table, and the summary of a validation.
+
+`table_of` turns a record into the table again.
 """
 
 from collections.abc import Sequence
@@ -33,6 +34,8 @@ _VEHICLE = section(
 
 
 class _FiniteNumbers(FileSchema):
+    """A file in which NaN and infinity are errors."""
+
     model_config = ConfigDict(allow_inf_nan=False)
 
 
@@ -43,7 +46,7 @@ Record = section(
     | {
         "vehicle": (_VEHICLE, ...),
         "effects": (dict[str, dict[str, Value]], ...),
-        "empirical": (EmpiricalTerm | tuple[EmpiricalTerm, ...], ()),
+        "empirical": (EmpiricalTerm | tuple[EmpiricalTerm, ...], ()),  # one term stands alone
         "own_effects": (dict[str, DefinedIn], Field(default_factory=dict)),
     },
     _FiniteNumbers,
