@@ -85,7 +85,8 @@ def diagnose(
         tell("replaying the hold-outs", 0, 1)
         verdict = verdict_of(search)
         # a large difference may be a brake that drags on one wheel: then it is not taken out
-        may_drag = _slows(vehicle, verdict.best.names) or verdict.term is not None
+        effects = (definition(vehicle.effects, name) for name in verdict.best.names)
+        may_drag = any(acts_on(x, SLOWING) for x in effects) or verdict.term is not None
         if taken_out <= USUAL or not may_drag:
             break
     best, last = verdict.best, _with_term(verdict)
@@ -113,10 +114,6 @@ def diagnose(
             warnings, unexplained=unexplained is not None, grouped=bool(best.hypothesis.groups)
         ),
     )
-
-
-def _slows(vehicle: Vehicle, names: tuple[str, ...]) -> bool:
-    return any(acts_on(definition(vehicle.effects, name), SLOWING) for name in names)
 
 
 def _with_term(verdict: Verdict) -> Replayed:

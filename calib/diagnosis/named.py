@@ -28,7 +28,7 @@ from calib.diagnosis.search import Search
 from calib.diagnosis.verdict import Verdict
 from calib.logs.log import Log
 
-_TESTS = {  # drives that any proving ground can do; an application begins after 1 s
+_DRIVES = {  # drives that any proving ground can do; an application begins after 1 s
     # first speed [m/s], pressure [bar], its rise [bar/s], period of its applications [s]
     "coast down from 130 km/h": (36.0, 0.0, 1e9, 12.0),
     "coast down from 50 km/h": (14.0, 0.0, 1e9, 12.0),
@@ -182,10 +182,10 @@ def _products(fit: Fit, other: Fit) -> list[Products]:
 
 
 def manoeuvres(fit: Fit) -> tuple[ObservedRun, ...]:
-    """Return the `_TESTS` as runs with a rough course of speed: 70 bar make 1 g."""
+    """Return the `_DRIVES` as runs with a rough course of speed: 70 bar make 1 g."""
     has_heat, runs = fit.problem.runs[0].temperature_f is not None, []
     time = 0.01 * np.arange(1200)
-    for name, (v0, most, rise, period) in _TESTS.items():
+    for name, (v0, most, rise, period) in _DRIVES.items():
         p = BAR * np.clip(rise * (time % period - 1.0), 0.0, most)
         z = p / 70e5
         v = np.maximum(v0 - 0.01 * np.cumsum(z * G), 2.0)

@@ -18,7 +18,7 @@ from calib.logs.log import Log
 from calib.run.axle_signals import AxleSignals, Signals, axle_pressure, eta_of
 from calib.run.filters import block_mean
 
-BLOCK = 0.05  # length of a block [s]: short compared with a brake application (0.2 s)
+BLOCK = 0.05  # intended length of a block [s]: short compared with a brake application (0.2 s)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,12 +37,10 @@ class Blocks(AxleSignals):
         return eta_of(self.omega_f, self.omega_r)
 
 
-def blocks(s: Signals, length: float = BLOCK) -> Blocks:
-    """Means over consecutive blocks of about ``length`` [s]; a shorter rest is left out."""
-    n = samples_of_block(s.sample_time, length)
+def blocks(s: Signals) -> Blocks:
+    """Means over consecutive blocks; a shorter rest is left out."""
+    n, length = samples_of_block(s.sample_time), time_of_block(s.sample_time)
     last = slice(n - 1, s.time.size // n * n, n)
-    # rounded to 1 ns, as the mean sample time of a log changes while the log grows
-    block_length = round(n * s.sample_time, 9)
     means: dict[str, Any] = {}
     for name in (field.name for field in fields(AxleSignals) if field.name != "lead_in"):
         x = getattr(s, name)
@@ -51,22 +49,22 @@ def blocks(s: Signals, length: float = BLOCK) -> Blocks:
     return Blocks(
         **means,
         end=s.time[last],
-        spin_f=np.diff(omega_f, prepend=omega_f[0]) / block_length,
-        spin_r=np.diff(omega_r, prepend=omega_r[0]) / block_length,
+        spin_f=np.diff(omega_f, prepend=omega_f[0]) / length,
+        spin_r=np.diff(omega_r, prepend=omega_r[0]) / length,
         lead_in=s.lead_in[last],
         samples=n,
-        length=block_length,
+        length=length,
     )
 
 
-def samples_of_block(sample_time: float, length: float = BLOCK) -> int:
-    """Number of samples of a block of about ``length`` [s]: at 50 Hz two, at 150 Hz seven."""
+def samples_of_block(sample_time: float) -> int:
+    """Number of samples of a block of about `BLOCK`: at 50 Hz two, at 150 Hz seven."""
     # with 0.45, unlike 0.5, no usual rate is at the edge of rounding, where jitter would decide
-    return max(1, int(length / sample_time + 0.45))
+    return max(1, int(BLOCK / sample_time + 0.45))
 
 
 def time_of_block(sample_time: float) -> float:
-    """Length [s] of a block, rounded to 1 ns, for a clock of constant ``sample_time`` [s]."""
+    """Length of a block [s], rounded to 1 ns: the mean ``sample_time`` varies as a log grows."""
     return round(samples_of_block(sample_time) * sample_time, 9)
 
 

@@ -140,16 +140,14 @@ def time_since(time: Array, event: Mask) -> Array:
     return np.asarray(time - np.maximum.accumulate(np.where(event, time, -np.inf)))
 
 
-def true_intervals(mask: Mask, least: int = 1) -> list[tuple[int, int]]:
-    """Start and end (exclusive) of each interval of ``least`` or more samples with a true ``mask``.
+def true_intervals(mask: Mask) -> list[tuple[int, int]]:
+    """Start and end (exclusive) of each interval of samples in which ``mask`` is true.
 
     >>> true_intervals(np.array([False, True, True, False, True]))
     [(1, 3), (4, 5)]
     """
     edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
-    first, last = edges[::2], edges[1::2]
-    is_long = last - first >= least
-    return list(zip(first[is_long].tolist(), last[is_long].tolist(), strict=True))
+    return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
 
 
 def inner_products(columns: Array, y: Array) -> tuple[Array, Array, Array]:
