@@ -218,6 +218,11 @@ def test_wheels_that_are_told_respect_the_radius():
         suggestion(columns, user_specified=told)
 
 
+def test_speeds_at_the_rim_are_no_angular_speeds():
+    """Without v their derivative tells g from m/s^2, also if the user wants no wheel speed."""
+    assert found(without(RIM, V), user_specified={"omega_fl": ""})["a_x"].mapping.sign == -1
+
+
 @pytest.mark.parametrize(
     "told",
     [{"p_cm": "Zeit"}, {"p_mc": "Druck"}, {"p_mc": "nRad_VL"}, {"p_mc": "Driver [rpm]"}],
