@@ -34,20 +34,12 @@ FAILED, UNREADABLE, DAMAGED = 1, 3, 4
 
 @dataclass(frozen=True)
 class Answer:
-    """Result of a command.
+    """Result of a command."""
 
-    Attributes
-    ----------
-    document : what --json prints, without its "schema".
-    result : a text, facts, or a result that `calib.show.facts` knows; its warnings go to stderr.
-    exit_code : 0 if the command did its work and the result passed.
-    out : the folder that was written, which the next step names.
-    """
-
-    document: dict[str, Any]
-    result: object = ""
+    document: dict[str, Any]  # what --json prints, without its "schema"
+    result: object = ""  # a text, facts, or a result that `calib.show.facts` knows
     exit_code: int = 0
-    out: Path | None = None
+    out: Path | None = None  # the folder that was written, which the next step names
 
     @property
     def facts(self) -> "Facts | str":
@@ -82,13 +74,8 @@ def command(
     """Declare a command by its function, see above.
 
     A switch, a list or what may be None is optional. A function that has a parameter ``json``
-    prints by itself.
-
-    Parameters
-    ----------
-    examples : lines of the help.
-    report : whether the command has the option --report.
-    cls : another class than that of typer.
+    prints by itself. ``examples`` are lines of the help, ``report`` says whether the command has
+    the option --report, and ``cls`` is another class than that of typer.
     """
 
     def declare(function: Callable[..., Answer]) -> Callable[..., None]:
@@ -104,7 +91,7 @@ def command(
 
         # typer reads signature and annotations, `cli.groups.add` the examples and the class
         parameters = [*declaration.own.values(), *declaration.common.values()]
-        run.__annotations__ = {one.name: one.annotation for one in parameters}
+        run.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
         typed = Signature(parameters, return_annotation=None)
         vars(run).update(__signature__=typed, examples=examples, cls=cls)
         return run
@@ -115,8 +102,8 @@ def command(
 class _Declaration:
     """The parameters of a command, as typer reads them and as its function gets them.
 
-    ``own`` are those that the function declares, by name, those of a dataclass one by one;
-    ``common`` are those of every command that the function does not declare.
+    ``own`` are those of the function, by name, and instead of a dataclass its fields. ``common``
+    are the options of every command that the function does not declare.
     """
 
     def __init__(self, function: Callable[..., Answer], report: bool):
@@ -124,15 +111,15 @@ class _Declaration:
         self._groups: dict[str, Any] = {
             p.name: p.annotation for p in declared if is_dataclass(p.annotation)
         }
-        self.own = {p.name: _typed(p) for one in declared for p in _ungrouped(one)}
+        ungrouped = [p for parameter in declared for p in _ungrouped(parameter)]
+        self.own = {p.name: _typed(p) for p in ungrouped}
         self._infos = {name: _info(p.annotation) for name, p in self.own.items()}
         if report:
             self._infos["report"] = _info(_COMMON["report"])
-        is_file_written = any(_writes_file(info) for info in self._infos.values())
         left_out = set(self.own)
         if not report:
             left_out.add("report")
-        if not is_file_written:
+        if not any(_writes_file(info) for info in self._infos.values()):
             left_out.add("force")
         self.common = {name: _common(name) for name in _COMMON if name not in left_out}
 
@@ -163,8 +150,8 @@ class _Declaration:
     def _remember_inputs(self, values: dict[str, Any]) -> None:
         """Keep the files that are read, which no output may replace."""
         for name, info in self._infos.items():
-            value = values[name] if isinstance(values[name], list) else [values[name]]
-            files = [one for one in value if isinstance(one, Path)]
+            typed = values[name] if isinstance(values[name], list) else [values[name]]
+            files = [value for value in typed if isinstance(value, Path)]
             if files and info.extra.writes is None:
                 this_run().inputs[name] = files
 
@@ -185,7 +172,7 @@ def _info(annotation: Any) -> Any:
 
 
 def _ungrouped(parameter: Parameter) -> list[Parameter]:
-    """Return the fields of a dataclass, which are options that commands share, or a parameter."""
+    """Return a parameter, or the fields of its dataclass, which are options of several commands."""
     kind, keyword = parameter.annotation, Parameter.KEYWORD_ONLY
     if not is_dataclass(kind):
         return [parameter]

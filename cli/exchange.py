@@ -35,7 +35,7 @@ class Shape:
 
         if self.double and (self.single or self.bits):
             raise usage_error("not beside --float or --fixed-point", "--double")
-        if (self.points, self.bits, self.single, code) == (None, None, False, False):
+        if self.points is None and self.bits is None and not (self.single or code):
             return None
         single = self.single or (code and not self.double and self.bits is None)
         with at_option("--points, --fixed-point, --float", ExchangeError):
@@ -85,9 +85,8 @@ def export(
     with at_option(None, ExchangeError), writing(out):
         if kind in CODES:
             precision = shape.precision(kind == FOLDER) or Precision()
-            step = sample_time
-            if step is None:
-                step = stored.table.provenance.sample_time
+            of_logs = stored.table.provenance.sample_time
+            step = of_logs if sample_time is None else sample_time
             if step is None:
                 flaw = "missing; the logs of the table have no common time of a step"
                 raise usage_error(flaw, "--sample-time")

@@ -20,15 +20,17 @@ class Group(TyperGroup):
 
     def rows(self) -> list[Row]:
         """Return every command in the order of the help."""
-        commands: dict[str, Any] = dict(self.commands)
-        return [Row(one.rich_help_panel, name, one.short_help) for name, one in commands.items()]
+        commands: list[tuple[str, Any]] = list(self.commands.items())
+        return [
+            Row(command.rich_help_panel, name, command.short_help) for name, command in commands
+        ]
 
     def list_commands(self, ctx: Any) -> list[str]:
         """Return the names of the commands in the order of the help."""
         return [row.name for row in self.rows()]
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
-        """Write each subject with its commands."""
+        """Write each heading with its commands."""
         width = max(len(row.name) for row in self.rows())
         for heading, rows in groupby(self.rows(), lambda row: row.heading):
             with formatter.section(heading):

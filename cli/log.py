@@ -36,12 +36,12 @@ def check(logs: list[Path] = argument("Logs to check.", "LOG..."), *, channel_ma
                 findings.append(check_log(read(path, channel_map, require=())))
             except InputError as error:
                 failed.append((path, error))
-    for _, flaw in failed:
-        print_error(str(flaw))
+    for _, reason in failed:
+        print_error(str(reason))
     document: dict[str, object] = {"error": failed[0][1].to_dict()} if failed else {}
-    document["logs"] = [to_dict(one) for one in findings]
-    document["unreadable"] = [{"source": path, "error": str(flaw)} for path, flaw in failed]
-    code = 0 if all(one.usable for one in findings) else FAILED
+    document["logs"] = [to_dict(found) for found in findings]
+    document["unreadable"] = [{"source": path, "error": str(reason)} for path, reason in failed]
+    code = 0 if all(found.usable for found in findings) else FAILED
     return Answer(document, check_facts(findings), UNREADABLE if failed else code)
 
 
@@ -79,7 +79,7 @@ def log(
     if out is not None and len(logs) > 1:
         raise usage_error(f"takes one log; {len(logs)} were given", "--out")
     write = WRITERS.get(out.suffix.lower()) if out is not None else None
-    shown: list[tuple[WholeLog, tuple[Inventory, ...], tuple[RunEvent, ...]]] = []
+    contents: list[tuple[WholeLog, tuple[Inventory, ...], tuple[RunEvent, ...]]] = []
     for path in logs:
         whole = read_whole(path, channel_map)
         if start is not None or until is not None:
@@ -97,17 +97,16 @@ def log(
             written_log = written(part, out)
             message = f"{out}: {written_log['rows']} rows, {len(written_log['columns'])} columns"
             return Answer({"logs": [written_log]}, message)
-        shown.append((part, inventory(part), run_events(channels_log(whole))))
+        contents.append((part, inventory(part), run_events(channels_log(whole))))
     if out is not None:
-        _draw(*shown[0], out)
-    facts = Facts(parts=[log_facts(*one) for one in shown])
-    return Answer({"out": out, "logs": [document(*one) for one in shown]}, facts)
+        _draw(*contents[0], out)
+    facts = Facts(parts=[log_facts(*content) for content in contents])
+    return Answer({"out": out, "logs": [document(*content) for content in contents]}, facts)
 
 
 def _draw(
     log: "WholeLog", columns: "tuple[Inventory, ...]", events: "tuple[RunEvent, ...]", out: Path
 ) -> None:
-    """Draw a log as a page or a picture."""
     from calib.show.log import MOST, log_facts, log_sheet, panels_of
     from calib.show.sheet import render
 

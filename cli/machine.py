@@ -88,7 +88,7 @@ def demo(
     results = {}
     with progress(f"running {len(STEPS)} commands in {out}", len(STEPS)) as advance:
         for step in STEPS:
-            results[step] = result = _run(out, step)
+            result = results[step] = _run(out, step)
             if not step.figure or not result.passed:
                 failed = "" if result.passed else "FAILED: "
                 say(f"\n{step.purpose}\n  {step.line}\n  {failed}{result.answer}")

@@ -75,21 +75,21 @@ class Commands(Group):
         """Return the command of a name, None for an unknown one."""
         places = {row.name: place for row, place in _PLACES.items()}
         # of an unknown name all are imported, so that typer can suggest one
-        wanted = [name] if name in places else [*places]
-        for one in wanted:
-            if one not in self.commands:
-                self.commands[one] = _load(one, places[one])
+        for wanted in [name] if name in places else places:
+            if wanted not in self.commands:
+                self.commands[wanted] = _load(wanted, places[wanted])
         return super().get_command(ctx, name)
 
 
 def _load(name: str, place: str) -> Any:
     """Import a command or a group from its place."""
     module, _, attribute = place.partition(":")
-    command = subject = getattr(import_module(f"cli.{module}"), attribute)
-    if not isinstance(command, typer.Typer):
-        subject = typer.Typer(rich_markup_mode=None, add_completion=False)
-        add(subject, "", command)
-    loaded: Any = typer.main.get_command(subject)
+    declared = getattr(import_module(f"cli.{module}"), attribute)
+    app = declared
+    if not isinstance(declared, typer.Typer):
+        app = typer.Typer(rich_markup_mode=None, add_completion=False)
+        add(app, "", declared)
+    loaded: Any = typer.main.get_command(app)
     loaded.name = name
     return loaded
 

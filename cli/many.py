@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from calib.line.fleet.work import Job
 
 _NAMES = f"{__name__}:_COMMANDS"
-_COMMANDS = tuple(one.value for one in Command)
+_COMMANDS = tuple(command.value for command in Command)
 _COMMAND = argument("fit, validate or check.", "COMMAND", typed=str, names=_NAMES, make=Command)
 _Job = Annotated[Command, _COMMAND]
 
@@ -128,8 +128,13 @@ def batch(
     say(f"{command.value} on {counted(workers.workers, 'worker')}")
     with closing(workers) as executor, progress() as step, writing(out):
         result = run_batch(
-            *(job, logs, out, executor),
-            lambda b: step(f"{b.finished} of {b.total} logs", b.finished, b.total),
+            job,
+            logs,
+            out,
+            executor,
+            lambda state: step(
+                f"{state.finished} of {state.total} logs", state.finished, state.total
+            ),
         )
     code = FAILED if result.counts[Status.FAILED] > 0 else 0
     if result.counts[Status.ERROR] == result.finished:

@@ -76,7 +76,7 @@ def _declared(
     """Return an option or argument of typer that carries its `Extra` as ``extra``."""
     if names:
         more["autocompletion"] = lambda incomplete: _names(names)
-    extra = {one.name: more.pop(one.name) for one in fields(Extra) if one.name in more}
+    extra = {field.name: more.pop(field.name) for field in fields(Extra) if field.name in more}
     info = kind(help=text, metavar=metavar, **more)
     conversion = partial(_converted, make, names) if make or names else None
     info.extra = Extra(make=conversion, **extra)
@@ -88,7 +88,7 @@ def _converted(make: Make | None, names: str, value: Any) -> Any:
     if names:
         possible = _names(names)
         if isinstance(value, list):
-            value = [require_known(one, possible) for one in value]
+            value = [require_known(name, possible) for name in value]
         else:
             value = require_known(value, possible)
     if make is None:
@@ -106,13 +106,13 @@ def _imported(place: str) -> Any:
 def _names(place: str) -> list[str]:
     """Return the names of an iterable, or those that a function returns, at "module:NAME"."""
     names = _imported(place)
-    return [str(one) for one in (names() if callable(names) else names)]
+    return [str(name) for name in (names() if callable(names) else names)]
 
 
 def require_known(
     written: str, names: Collection[str], noun: str = "", option: str | None = None
 ) -> str:
-    """Return the known name that was written, in capitals or not. Refuses an unknown one.
+    """Return the known name that was written, in capitals or not. Refuses an unknown name.
 
     ``noun`` says what is named, ``option`` where it was typed.
     """
@@ -123,10 +123,11 @@ def require_known(
         return written
     if matches:
         return matches[0]
-    parts = [f"unknown {noun}{written!r}", did_you_mean(written, names)]
-    if not parts[1] and len(names) <= _MAX_LISTED:
-        parts[1] = f"known: {', '.join(names)}"
-    raise usage_error("; ".join(filter(None, parts)), option)
+    advice = did_you_mean(written, names)
+    if not advice and len(names) <= _MAX_LISTED:
+        advice = f"known: {', '.join(names)}"
+    problem = f"unknown {noun}{written!r}"
+    raise usage_error(f"{problem}; {advice}" if advice else problem, option)
 
 
 def from_settings(key: str) -> Any:

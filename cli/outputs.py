@@ -25,7 +25,7 @@ EITHER = "either"
 
 
 def check_file(out: Path, kind: str = "", option: str = OUT) -> None:
-    """Refuse a place where a file cannot be written, an input, and a file of others.
+    """Refuse a place that cannot be written, an input, and a file that this program did not write.
 
     ``kind`` says which endings are possible, "" any. ``option`` is where ``out`` was typed.
     """
@@ -144,7 +144,7 @@ def write_folder(out: Path, contents: Iterable[tuple[str, bytes]], last: str) ->
 
 
 def stems_of(logs: Iterable[Path], option: str) -> list[str]:
-    """Return the names of logs without their endings. Refuses two of one name: --out has both."""
+    """Return the names of logs without their endings. Refuses two of the same name."""
     from calib.logs.formats import stem_of
 
     stems = [stem_of(path) for path in logs]

@@ -39,7 +39,7 @@ _WANT = partial(_quantities, {"front": "1", "rear": "1", "total": "1"})
 _TRACK = partial(_quantities, {"length": "m", "speed": "m/s"})
 
 
-def _text(text: str, make: Callable[..., object], always: bool = True) -> Any:
+def _text(text: str, make: Callable[..., object], *, always: bool = True) -> Any:
     """Declare an option that is typed as text."""
     return option(text, "TEXT", typed=str | None, make=make, always=always)
 
@@ -65,7 +65,7 @@ def plan(
     have: list[Path] = option("Log of the car that is there already; repeatable.", "LOG"),
     table: str | None = option("Table of the car, for its pads, tyres and noise.", "TABLE"),
     want: Quantities = _text('What is enough (95 %): "front 2 %, rear 4 %, total 2 %".', _WANT),
-    time: float | None = _text('Time to spend, such as "90 s".', partial(in_si, "s"), False),
+    time: float | None = _text('Time to spend, such as "90 s".', partial(in_si, "s"), always=False),
     track: Quantities = _text('Track: "length 300 m, speed 120 km/h", else 100 km/h.', _TRACK),
     sensors: frozenset[str] = _text("What of v, p_fl, p_fr, p_rl, p_rr is logged.", _sensors),
     store: Tables,

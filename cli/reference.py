@@ -29,9 +29,9 @@ def effects(
     """
     from calib.show.vehicle import card, cards
 
-    catalogue = {**_catalogue(), **{own.name: own.effect for own in effect}}
+    catalogue = {**_catalogue(), **{of_user.name: of_user.effect for of_user in effect}}
     if name is None:
-        all_cards = [one.card for one in catalogue.values()]
+        all_cards = [effect.card for effect in catalogue.values()]
         return Answer({"effects": all_cards}, cards(all_cards))
     chosen = catalogue[require_known(name, catalogue, "effect ", "NAME")].card
     return Answer({"effects": [chosen]}, card(chosen))
@@ -59,9 +59,9 @@ def schema(
     if name is not None:
         print_json(schema_of(name))
         return Answer({})
-    written = {name: one.title for name, one in documents().items()}
-    facts = Facts(rows=[*FILES.items(), *written.items()])
-    return Answer({"files": FILES, "documents": written}, facts)
+    titles = {kind: document.title for kind, document in documents().items()}
+    facts = Facts(rows=[*FILES.items(), *titles.items()])
+    return Answer({"files": FILES, "documents": titles}, facts)
 
 
 @command("brake-cal settings")
@@ -84,13 +84,13 @@ def settings() -> Answer:
         say(message)
     built_in = {"store": STORE, "require_signed": False, "by": user()}
     settings: dict[str, dict[str, object]] = {}
+    cells = []
     for key, value in project.settings.items():
-        source = "environment" if key == "by" else "built-in"
+        source = f"file:{project.file}"
         if value is None:
-            settings[key] = {"value": built_in.get(key), "source": source}
-        else:
-            settings[key] = {"value": value, "source": f"file:{project.file}"}
-    cells = [(k, _written(one["value"]), str(one["source"])) for k, one in settings.items()]
+            value, source = built_in.get(key), "environment" if key == "by" else "built-in"
+        settings[key] = {"value": value, "source": source}
+        cells.append((key, _written(value), source))
     document = {"file": project.file, "searched": project.folders, "settings": settings}
     return Answer(document, Facts(tables=[Table(("setting", "value", "from"), cells)]))
 
@@ -130,7 +130,7 @@ def manual(
 
     pages = contents()
     if topic is None:
-        rows = [(one.name, f"{one.title}: {one.about}") for one in pages.values()]
+        rows = [(page.name, f"{page.title}: {page.about}") for page in pages.values()]
         say("brake-cal manual PAGE shows one; brake-cal manual CODE explains a warning")
         facts = Facts(tables=[Table(("page", "what it is about"), rows)])
         return Answer({"pages": list(pages.values())}, facts)

@@ -68,18 +68,18 @@ def simulate(
     from calib.show.log import simulated
 
     car = with_own(vehicle, effect)
-    driven = read_model(model, car) if model else default_model(car)
+    car_model = read_model(model, car) if model else default_model(car)
     if log is not None and any(x is not None for x in (speed, pressure, duration, rate)):
         raise usage_error("only with --manoeuvre", "--speed, --pressure, --duration, --rate")
     if log is not None and manoeuvre is None:
         say(f"replaying the pressure of {log} with {car.name}")
-        driven_log = replay(driven, read(log, channel_map, require=("time", "p_mc")))
+        driven_log = replay(car_model, read(log, channel_map, require=("time", "p_mc")))
     elif manoeuvre is not None and log is None:
         speed = speed or SPEED
         with at_option("--manoeuvre", ModelError):
             time, trace = make_trace(manoeuvre, pressure, rate or RATE, duration)
         say(f"driving a {manoeuvre} with {car.name} from {speed:.1f} m/s")
-        driven_log = drive(driven, time, trace, speed, name=manoeuvre)
+        driven_log = drive(car_model, time, trace, speed, name=manoeuvre)
     else:
         raise usage_error("expected either a LOG or --manoeuvre NAME", "LOG")
     result = driven_log if noise is None else add_noise(driven_log, noise)

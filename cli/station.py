@@ -50,7 +50,7 @@ def station(
         "Limits, see `brake-cal limits`.", "calib.line.station.limits_file:limits_of_car"
     ),
     coast: list[Path] = option("A coast log; repeatable.", "LOG"),
-    more: list[Path] = option("A further ramp for the fit; repeatable.", "LOG", "--ramp"),
+    further_ramps: list[Path] = option("A further ramp for the fit; repeatable.", "LOG", "--ramp"),
     golden: str | None = option("Golden table of the model.", "TABLE", setting="station.golden"),
     accept_warnings: str | None = option("Release in spite of warnings.", "REASON", make=words),
     by: options.By,
@@ -80,7 +80,7 @@ def station(
     from calib.line.station.station import judged_car
     from calib.show.station_page import StationRun, store_and_write
 
-    ramps = [ramp, *more]
+    ramps = [ramp, *further_ramps]
     identification = {name: value for name, value in vars(identity).items() if value is not None}
     stems = stems_of(holdouts, "HOLDOUT")
     if "table" in stems:

@@ -32,28 +32,28 @@ class _Descriptor(io.FileIO):
 
 
 def delivered(work: Callable[[], int]) -> int:
-    """Return the exit code of ``work``, or that of `_undelivered` if its output is not written."""
+    """Return the exit code of ``work``, or that of an error if its output cannot be written."""
     sys.stdout, sys.stderr = _guarded(sys.stdout, OUT), _guarded(sys.stderr, ERR)
     try:
         code = work()
         sys.stdout.flush()
         sys.stderr.flush()
-    except NotWritten as lost:
-        return _undelivered(lost)
+    except NotWritten as failure:
+        return _undelivered(failure)
     return code
 
 
-def _undelivered(lost: NotWritten) -> int:
+def _undelivered(failure: NotWritten) -> int:
     """Return 0 if the reader has gone, as `head` does; else print an error, and return its code."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, OUT)  # what the interpreter flushes at its exit is discarded
-    cause = lost.__cause__
+    cause = failure.__cause__
     is_closed_on_windows = sys.platform == "win32" and getattr(cause, "errno", 0) == errno.EINVAL
     if is_closed_on_windows or isinstance(cause, BrokenPipeError):
         os.dup2(nowhere, ERR)
         return 0
     try:
-        sys.stderr.write(f"error: {AnswerError(f'the answer could not be written ({lost})')}\n")
+        sys.stderr.write(f"error: {AnswerError(f'the answer could not be written ({failure})')}\n")
         sys.stderr.flush()
     except NotWritten:
         os.dup2(nowhere, ERR)

@@ -48,7 +48,7 @@ def check(files: list[Path] = argument("Vehicle files to check.", "FILE...")) ->
             continue
         warnings, verdict = vehicle_warnings(car), "plausible"
         print_warnings(warnings)
-        details = {"plausible": not warnings, "warnings": [to_dict(one) for one in warnings]}
+        details = {"plausible": not warnings, "warnings": [to_dict(x) for x in warnings]}
         judged.append({"source": path, "vehicle": car.name, **details})
         if warnings:
             code = FAILED

@@ -12,7 +12,7 @@ from calib.base.warning import PlausibilityWarning, unexplained
 from calib.car.vehicle import Vehicle
 from calib.logs.log import Log, Origin
 from calib.plausibility.evidence import Evidence
-from calib.plausibility.rules import CHECK, PURPOSES, unusable, warnings_on
+from calib.plausibility.rules import CHECK, PURPOSES, unusable, warnings_on, warnings_on_log
 from calib.run.driving_record import BrakeEvent
 from calib.run.run import Run, figures
 from calib.run.sensors import FIGURES, Sensor
@@ -61,7 +61,8 @@ def check(log: Log, vehicle: Vehicle | None = None) -> Findings:
     """
     run = Run(log, vehicle)
     refusals = {purpose: unusable(run, purpose) for purpose in PURPOSES}
-    warnings = warnings_on(Evidence(run), CHECK, use_signals=not all(refusals.values()))
+    is_refused = all(refusals.values())
+    warnings = warnings_on_log(run, CHECK) if is_refused else warnings_on(Evidence(run), CHECK)
     verdicts = [
         _Verdict(purpose, not reasons, tuple(reason.text for reason in reasons))
         for purpose, reasons in refusals.items()
@@ -77,7 +78,7 @@ def unseen(run: Run) -> tuple[str, ...]:
 
 
 def to_dict(findings: Findings) -> dict[str, Any]:
-    """The findings as JSON types in SI; ``figures`` as in the results of a batch."""
+    """The findings as JSON types in SI; ``figures`` are those of the results of a batch."""
     run, log = findings.run, findings.run.log
     return {
         "usable": findings.usable,

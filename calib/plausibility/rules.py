@@ -81,19 +81,16 @@ def require_none(reasons: tuple[PlausibilityWarning, ...], run: Run, purpose: st
 
 
 def warnings_on(
-    evidence: Evidence,
-    purpose: str,
-    consequences: Collection[str] = (WARN,),
-    *,
-    use_signals: bool = True,
+    evidence: Evidence, purpose: str, consequences: Collection[str] = (WARN,)
 ) -> tuple[PlausibilityWarning, ...]:
-    """Warnings on a run for a purpose, in the order of the rules, with these consequences.
-
-    Without ``use_signals`` they rest on the log and its motion alone, as for a refused run.
-    """
+    """Warnings on a run for a purpose, in the order of the rules, with these consequences."""
     of_log, of_signals = _figures(evidence.run)
-    figures = (*of_log, *of_signals) if use_signals else of_log
-    return _broken(evidence, figures, purpose, consequences)
+    return _broken(evidence, (*of_log, *of_signals), purpose, consequences)
+
+
+def warnings_on_log(run: Run, purpose: str) -> tuple[PlausibilityWarning, ...]:
+    """Warnings for a purpose that rest on the log and its motion alone, as for a refused run."""
+    return _broken(Evidence(run), _figures(run)[0], purpose, (WARN,))
 
 
 def _figures(run: Run) -> tuple[tuple[Figure, ...], tuple[Figure, ...]]:
