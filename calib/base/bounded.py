@@ -56,6 +56,7 @@ DBC = FileKind("dbc", 8)
 TOML = FileKind("toml", 1)
 PLAN = FileKind("plan", 16)
 EFFECT = FileKind("effect", 1)
+TYRE = FileKind("tyre", 1)
 CALIBRATION = FileKind("calibration", 16)  # DCM and CDF
 VALIDATION = FileKind("validation", 16)  # JSON that `validate` and `station` wrote
 RESULT = FileKind("result", 120)  # Parquet that `validate` wrote

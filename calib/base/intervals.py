@@ -47,21 +47,22 @@ def noise_over(x: Array, longest: float) -> list[float]:
 
 
 def second_differences(white: float, walk: float, turned: float) -> tuple[Array, float]:
-    """Return second differences as a moving average (3,) of white noise, and its sigma [m/s].
+    """Return the moving average (3,) that makes second differences of e from white noise.
 
-    The differences are those of v less the integral of a_x. This signal is white noise of variance
-    ``white``, plus a random walk with steps of variance ``walk``, plus a walk whose step is itself
-    a random walk, with changes of variance ``turned``, as on a changing slope; all in m^2/s^2. With
-    y = z + 1/z, where z shifts by a sample, the spectrum of the second differences is
+    Return also the standard deviation of that noise [m/s]. e is v less the integral of a_x: the sum
+    of white noise of variance ``white``, of a random walk whose steps have the variance ``walk``,
+    and of a random walk whose step is itself a random walk, as on a changing slope, with changes of
+    variance ``turned`` [m^2/s^2]. With the shift q by one sample and y = q + 1/q, the spectrum of
+    the second differences is
 
         white (2 - y)^2 + walk (2 - y) + turned
 
-    Its zeros are pairs z and 1/z. Those within the unit circle give the moving average that can be
+    Its zeros are pairs q and 1/q. Those within the unit circle give the moving average that can be
     inverted (Brockwell and Davis, Time Series: Theory and Methods, section 3.1).
     """
     root = cmath.sqrt(walk**2 - 4.0 * white * turned)
     zeros_y = [(4.0 * white + walk + sign * root) / (2.0 * white) for sign in (1.0, -1.0)]
-    # z + 1/z = y has the zero z = 2/(y + sqrt(y^2 - 4)) within the unit circle
+    # q + 1/q = y has the zero q = 2/(y + sqrt(y^2 - 4)) within the unit circle
     first, second = (2.0 / (y + cmath.sqrt(y + 2.0) * cmath.sqrt(y - 2.0)) for y in zeros_y)
     average = np.array([1.0, -(first + second).real, (first * second).real])
     return average, math.sqrt(white / average[-1])
@@ -123,9 +124,13 @@ _MAX_LOG_RATIO = 300.0  # largest ln of a likelihood ratio, so that exp does not
 def likelihood_ratio(x: float, sigma: float, spread: float) -> float:
     """Likelihood ratio of a quantity that is present to one that is zero, at most e^300.
 
-    The quantity is measured as ``x`` with the standard deviation ``sigma``, u. If present, it is
-    positive, with a half-normal prior of scale ``spread``, M. With h^2 = u^2 + M^2 and the normal
-    distribution Phi the ratio is 2 u/h exp(x^2/2 (1/u^2 - 1/h^2)) Phi(x M/(u h)).
+    The quantity is measured as ``x`` with the standard deviation ``sigma``. If present, it is
+    positive, with a half-normal prior of scale ``spread``. With u = ``sigma``, m = ``spread``,
+    h^2 = u^2 + m^2 and the normal distribution Phi, the ratio is
+
+        2 u/h exp(x^2/2 (1/u^2 - 1/h^2)) Phi(x m/(u h))
+
+    Beyond 38 sigma below zero, where Phi underflows, it is 0.
     """
     h = math.hypot(sigma, spread)
     normal = 0.5 * math.erfc(-x * spread / (sigma * h * math.sqrt(2.0)))  # Phi

@@ -1,7 +1,8 @@
 """The program's name, the axles and wheels, and the channels of a log with unit and sign.
 
 Inside the program every quantity is in SI; bar, km/h, rpm and cm^2 occur only in input and output.
-Forces, torques and slips are positive when they brake. ``a_x`` has the sign of ISO 8855: forward is
+Forces, torques and slips are positive when they brake, but for ``T_drive``, whose torques are
+negative when they slow the car. ``a_x`` has the sign of ISO 8855: forward is
 positive, so ``a_x`` is negative while braking, and the deceleration ``z = -a_x/g`` is positive.
 """
 
@@ -44,7 +45,7 @@ _QUANTITIES = (
     _Quantity("v", "m/s", "m/s"),  # V, over ground
     *(_Quantity(name, "bar", "Pa") for name in WHEEL_PRESSURES),  # P, at the wheel
     *(_Quantity(f"T_disc_{axle}", "degC", "degC") for axle in AXLES),
-    _Quantity("steering", "rad", "rad"),  # delta, of the steering wheel, left positive
+    _Quantity("steering", "deg", "rad"),  # delta, of the steering wheel, left positive
     # T_d, of engine or motor at both wheels of an axle together, negative where it slows
     *(_Quantity(f"T_drive_{axle}", "N*m", "N*m") for axle in AXLES),
     _Quantity("abs_active", "1", "1"),  # 1 while ABS or ESC act, else 0
@@ -62,8 +63,8 @@ _TABLE_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}")
 _STORE_FILES = ("journal.jsonl", "journal.head")  # in a store, beside the folders of its tables
 _WINDOWS_DEVICE = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?", re.IGNORECASE)
 TABLE_NAMES = (
-    "letters, digits and . _ - only, at most 100, a letter or digit first, no dot last, no file of "
-    "the store, and no device of Windows (CON, NUL, COM1)"
+    "letters, digits and . _ - only, at most 100, a letter or digit first, no dot last, no two "
+    "dots together, no file of the store, and no device of Windows (CON, NUL, COM1)"
 )
 """The rule for names of a vehicle and its table, as an error message states it."""
 

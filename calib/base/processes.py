@@ -46,10 +46,12 @@ def one_blas_thread() -> Iterator[None]:
 
 
 def worker_pool(count: int, *preload: str) -> ProcessPoolExecutor:
-    """Start ``count`` processes, each with one thread for linear algebra.
+    """Return a pool of ``count`` processes, which start with the first work.
 
-    Except on Windows the processes are forked from a server that has imported the modules
-    ``preload``. They ignore interrupts, which their parent handles, and end when the parent ends.
+    Each has one thread for linear algebra, unless the environment of this process, which they get,
+    already sets another number. Except on Windows the processes are forked from a server that has
+    imported the modules ``preload``. They ignore interrupts, which their parent handles, and end
+    when the parent ends.
     """
     for library in ("OPENBLAS", "OMP", "MKL"):
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
@@ -64,16 +66,14 @@ def worker_pool(count: int, *preload: str) -> ProcessPoolExecutor:
 def parallel_map(count: int, preload: str) -> Iterator[MapFunction]:
     """Yield a function like `map` that uses ``count`` processes; `map` itself if ``count`` is 1.
 
-    The processes import the module ``preload`` first. As always with Python's processes, mapped
-    functions must be at the top level of a module, their items and results must be picklable, and a
-    script must guard its main part. Raises BatchError if a process died.
+    The module ``preload`` is imported as by `worker_pool`. As always with Python's processes,
+    mapped functions must be at the top level of a module, their items and results must be
+    picklable, and a script must guard its main part. Raises BatchError if a process died.
     """
     if count <= 1:
         yield map
         return
     pool = worker_pool(count, preload)
-    for _ in range(count):
-        pool.submit(os.getpid)  # starts a process, which imports while this process goes on
 
     def mapped(function: Callable[[T], R], items: Iterable[T], /) -> Iterator[R]:
         work = list(items)
@@ -81,9 +81,13 @@ def parallel_map(count: int, preload: str) -> Iterator[MapFunction]:
         return pool.map(function, work, chunksize=chunk)
 
     try:
+        for _ in range(count):
+            pool.submit(os.getpid)  # starts a process, which imports while this process goes on
         yield mapped
     except BrokenExecutor as error:
-        time.sleep(_SIGNAL_TIME)  # a signal to the whole group ends this process here, unreported
+        # if a signal to the whole group ended the workers, it ends this process, too, during this
+        # sleep, and the error below is not raised
+        time.sleep(_SIGNAL_TIME)
         flaw = "a worker process died"
         raise BatchError(flaw, do="repeat it; if memory ran out, with --workers 1") from error
     finally:

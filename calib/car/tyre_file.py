@@ -22,7 +22,7 @@ from typing import Annotated, Any
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.base.bounded import TOML, bytes_of
+from calib.base.bounded import TYRE, bytes_of
 from calib.base.digest import file_digest
 from calib.base.errors import TyreError
 
@@ -73,7 +73,8 @@ class TyreFile:
                 f"at {load:.0f} N, the load of a wheel of this car, stiffness over load is "
                 f"{stiffness:.3g} and the peak {peak:.3g}",
                 where=self.source,
-                expected=f"a load about {load / (d + 1.0):.0f} N, 2 to 200, and 0.1 to 3",
+                expected=f"a load within a third and three times {load / (d + 1.0):.0f} N, a "
+                "stiffness of 2 to 200, and a peak of 0.1 to 3",
                 do="give the file of a tyre of this car; check FNOMIN and the scale factors",
             )
         return stiffness, peak
@@ -107,7 +108,7 @@ def _read(path: Path | str) -> TyreFile:
     for key, names in _UNITS.items():
         keys[key] = (Annotated[str, OneOf(names)], names[0])
     schema = section("TyreKeys", "The keys of a tyre property file that are read.", keys)
-    text = bytes_of(Path(path), TOML, TyreError, _KIND).decode("latin-1")
+    text = bytes_of(Path(path), TYRE, TyreError, _KIND).decode("latin-1")
     entries = {key.upper(): value.lower() for key, value in _LINE.findall(text)}
     written = {key: entries[key] for key in keys if key in entries}
     values = validated(written, schema, path, TyreError).model_dump(exclude={*_UNITS})

@@ -132,7 +132,7 @@ def require_same_car(
 def _numbers(car: Vehicle) -> dict[str, float]:
     """The numbers of a car by the keys of its file, such as ``mass`` and ``front.pad_friction``."""
     entries = asdict(car)
-    numbers = {key: value for key, value in entries.items() if isinstance(value, float)}
+    numbers = {key: value for key, value in entries.items() if isinstance(value, int | float)}
     for axle in ("front", "rear"):
         numbers |= {f"{axle}.{key}": value for key, value in entries[axle].items()}
     return numbers

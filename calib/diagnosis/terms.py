@@ -18,7 +18,7 @@ from calib.base.arrays import Array
 from calib.base.names import AXLES, G
 from calib.car.braking import BITE
 from calib.car.effects.effects import EmpiricalTerm
-from calib.car.effects.empirical import DISCS, DRIVERS, PLACES, drivers_of
+from calib.car.effects.empirical import AXLES_OF, DRIVERS, PLACES, drivers_of
 from calib.diagnosis.explanation.channels import CHANNELS, by_channel, thinned
 from calib.diagnosis.explanation.fit import Fit, innovations
 from calib.diagnosis.explanation.gauss_newton import fit_logs
@@ -61,7 +61,7 @@ def ranked_terms(fit: Fit) -> list[Ranked]:
         _ranked(fit, place, driver, pulses, histories)
         for driver in DRIVERS
         for place in PLACES
-        if driver != "temperature" or unlogged.isdisjoint(DISCS[PLACES[place]])
+        if driver != "temperature" or unlogged.isdisjoint(AXLES_OF[PLACES[place]])
     ]
     return sorted(ranked, key=lambda term: -term.log_gain)
 

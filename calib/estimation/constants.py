@@ -68,14 +68,14 @@ class Constants:
     most_level: float = 3.0  # of the best racing pads, with a tenth of error [1]
     level_sigma: float = CAR.pad_level.sigma  # sigma of the level before any braking [1]
     q_level: float = 0.01  # random walk of the level, relative [1/sqrt(s)]
-    fade: float = 0.06  # sigma of the rate at which the level changes [1/s], and its random walk
-    q_rate: float = 0.02
+    fade: float = 0.06  # sigma of the rate at which the level changes [1/s]
+    q_rate: float = 0.02  # random walk of that rate, relative to the level [1/s^1.5]
     jump: float = 3.0  # innovation from which on the level has made a step [sigma]
     r_level: float = 0.007  # relative noise of the force of a block, by road and body
-    lag: float = CAR.brake_lag.mean  # time constant of the brakes [s], and its sigma
-    lag_sigma: float = CAR.brake_lag.sigma
+    lag: float = CAR.brake_lag.mean  # time constant of the brakes [s]
+    lag_sigma: float = CAR.brake_lag.sigma  # sigma of that time constant [s]
     r_lag: float = 0.2  # relative noise of the force to come: brakes do not lag by first order
-    least_lag: float = 0.004  # least time constant of the brakes, in seconds
+    least_lag: float = 0.004  # least time constant of the brakes [s]
     apart: float = 0.02  # difference of the clocks of a_x and speeds [s]
     zero: float = CAR.zero.sigma  # sigma of a zero before any rolling [1]
     offset: float = SENSOR.a_x_offset.sigma  # sigma of bias and slope before any rolling [1]
@@ -94,8 +94,8 @@ class Constants:
     other_road: float = _ROAD_SIGMA  # sigma of ln of the tyres' stiffness over the ramp's [1]
     slowest: float = 0.3  # a slower speed of the rims counts as this [m/s]
     steering: float = math.radians(5.0)  # driver's wheel [rad] that changes eta as braking does
-    lateral: float = 3.0  # acceleration, by the wheels, from which on a bend changes eta
-    # [m/s^2]; radii that differ by 0.5 %, left to right, show as much at 30 m/s
+    lateral: float = 3.0  # acceleration by the wheels, above which a bend changes eta [m/s^2]
+    # (radii that differ by 0.5 %, left to right, show as much at 30 m/s)
     lock: float = 0.15  # share by which only a wheel with ABS or a lock is slower [1]
     slows: float = 15.0 / NOMINAL_RADIUS  # no road lets wheels slow by more [rad/s^2]: all lock
     turning: float = MOVING / NOMINAL_RADIUS  # wheel speed from which on a lock is seen [rad/s]

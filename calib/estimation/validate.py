@@ -178,7 +178,7 @@ def validate_one(
     return Validation(
         log=log.name,
         digest=log.digest,
-        role=HOLDOUT if table.provenance.parent_of(log) is None else CALIBRATION,
+        role=HOLDOUT if table.provenance.fitted_log_of(log) is None else CALIBRATION,
         estimate=result,
         figures=figures,
         judgements=judge(limits, figures),

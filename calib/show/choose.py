@@ -35,7 +35,7 @@ def sheets(
     if stored is None:
         yield from map(_of_log, logs)
     else:
-        parents = [(run, stored.table.provenance.parent_of(run)) for run in logs]
+        parents = [(run, stored.table.provenance.fitted_log_of(run)) for run in logs]
         ramps = [run for run, parent in parents if parent and parent.role == "ramp"]
         if ramps or not logs:
             measured = tuple(measure(stored.table, ramp) for ramp in ramps)

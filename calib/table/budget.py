@@ -1,9 +1,9 @@
 """The uncertainty of a pad friction, divided into parts by cause, and advice that reduces it.
 
-A part, such as `mass`, is the standard deviation of ln of the pad friction that a cause makes. A
-budget is all parts of an axle. The page `validation` of the manual explains each part. Errors of
-the areas and radii of the brakes are not counted. The level of the pads is the brake force of both
-axles per pressure, their ratio is front over rear pad friction, both relative to the vehicle file.
+A part, such as `mass`, is what one cause contributes to the standard deviation of ln of the pad
+friction. A budget is all parts of an axle. Errors of the areas and radii of the brakes are not
+counted. The level of the pads is the brake force of both axles per pressure, their ratio is front
+over rear pad friction, both relative to the vehicle file.
 """
 
 import math
@@ -156,8 +156,9 @@ def axle_parts(
 ) -> tuple[Parts, Parts]:
     """Parts of front and rear pads, from the variances of ``level`` and ``ratio`` of the pads.
 
-    With a fixed level, ln of the pads of an axle changes per ln of the ratio by the share of the
-    other axle in the brake force. ``log_ratio`` is as in `front_share`.
+    With the front axle's share phi of the brake force, an error d of ln of the ratio moves ln of
+    the front pads by (1 - phi) d and ln of the rear pads by -phi d; an error of the level moves
+    both. The errors of level and ratio count as independent. ``log_ratio`` is as in `front_share`.
     """
     share = front_share(vehicle, log_ratio)
 
@@ -177,11 +178,13 @@ class PadLevels(NamedTuple):
 
 
 def grade_sigma(vehicle: Vehicle) -> float:
-    """Standard deviation of ln of the pads' level, relative to the file, for pads of one grade.
+    """Standard deviation of ln of the pads' level [1] if all pads are of one grade and err alike.
 
-    The default [1] is that of the usual pad ratio over sqrt(2), since two axles make a ratio.
+    It is the tolerance of the front pads in the file. Without one it is the usual standard
+    deviation of ln of the pads' ratio over sqrt(2), since a ratio has the errors of two axles.
     """
-    return vehicle.front.pad_friction_tolerance or CAR.log_pad_ratio.sigma / math.sqrt(2.0)
+    tolerance = vehicle.front.pad_friction_tolerance
+    return CAR.log_pad_ratio.sigma / math.sqrt(2.0) if tolerance is None else tolerance
 
 
 def pad_levels(vehicle: Vehicle, pads: Calibration) -> PadLevels:

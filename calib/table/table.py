@@ -114,9 +114,9 @@ class Provenance:
         times = {float(f"{log.sample_time:.4g}") for log in self.logs if log.sample_time}
         return times.pop() if len(times) == 1 else None
 
-    def parent_of(self, log: Log) -> LogReference | None:
-        """The log of the fit that has the run of ``log``, also if ``log`` is a copy; else None."""
-        return next((parent for parent in self.logs if parent.is_run_of(log)), None)
+    def fitted_log_of(self, log: Log) -> LogReference | None:
+        """The log of the fit that holds the same run as ``log``, be it a changed copy, or None."""
+        return next((fitted for fitted in self.logs if fitted.is_run_of(log)), None)
 
 
 @dataclass(frozen=True)
@@ -176,7 +176,7 @@ class Table(Viewable):
     effects: Effects  # drag and rolling resistance as fitted; `vehicle` has other known effects
     noise: dict[str, float]  # noise density of each sensor over long times [unit * s^0.5]
     quality: dict[str, float]  # metrics of the fit
-    remarks: tuple[str, ...]
+    remarks: tuple[str, ...]  # sentences on decisions of the fit
     provenance: Provenance
     warnings: tuple[PlausibilityWarning, ...] = ()
     spread: FleetScatter | None = None  # scatter between the cars if the table is their mean
@@ -226,7 +226,7 @@ class Table(Viewable):
             del record["vehicle"]["motor_odds"]
         definitions = self.vehicle.effects.defined_in.items()
         record["own_effects"] = {name: asdict(effect) for name, effect in definitions}
-        terms = vehicle_effects["terms"]
+        terms = vehicle_effects["terms"]  # one term has no list, as in older tables
         record["empirical"] = terms[0] if len(terms) == 1 else terms
         record["effects"] = {
             effect: {name: asdict(value) for name, value in values.items()}

@@ -27,5 +27,5 @@ def test_channels_and_units_are_those_of_the_contract_in_its_order():
     assert actual[: len(rows)] == rows
     # further channels
     assert actual[len(rows) :] == [
-        ("steering", "rad"), ("T_drive_f", "N*m"), ("T_drive_r", "N*m"), ("abs_active", "1"),
+        ("steering", "deg"), ("T_drive_f", "N*m"), ("T_drive_r", "N*m"), ("abs_active", "1"),
     ]  # fmt: skip

@@ -84,7 +84,7 @@ def test_a_log_that_brakes_too_fast_for_a_ramp_is_a_stop_beside_one():
         "ramp": "ramp",
         "stop_2": "stop",
     }
-    assert table.provenance.parent_of(logs[1])
+    assert table.provenance.fitted_log_of(logs[1])
     with pytest.raises(LogError):
         fit(CAR, logs[1:])
     backward = {**logs[1].channels, "a_x": -logs[1]["a_x"]}

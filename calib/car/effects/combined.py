@@ -124,12 +124,14 @@ def pad_factors(effects: Effects, history: RunHistory, p_f: Array, p_r: Array) -
 
 def wheel_factors(effects: Effects, history: RunHistory) -> dict[str, Array]:
     """Factors [1] (n,) on brake torques by wheel, for the wheels of axles whose sides differ."""
-    return _product(hook(own, history) for hook, own in _hooks(effects, "wheels"))
+    return _product(hook(parameters, history) for hook, parameters in _hooks(effects, "wheels"))
 
 
 def wheel_speed_factors(vehicle: Vehicle, effects: Effects, motion: Motion) -> dict[str, Array]:
     """Factors [1] (n,) on the wheel speeds as read, by wheel; only of wheels that are changed."""
-    return _product(hook(vehicle, own, motion) for hook, own in _hooks(effects, "wheel_speed"))
+    return _product(
+        hook(vehicle, parameters, motion) for hook, parameters in _hooks(effects, "wheel_speed")
+    )
 
 
 def _product(mappings: Iterator[Mapping[str, Array]]) -> dict[str, Array]:
@@ -142,13 +144,17 @@ def _product(mappings: Iterator[Mapping[str, Array]]) -> dict[str, Array]:
 
 def total_load_shift(vehicle: Vehicle, effects: Effects, history: RunHistory) -> Array:
     """Sum of the loads that are shifted from the front to the rear axle, over W [1] (n,)."""
-    shifts = (hook(vehicle, own, history) for hook, own in _hooks(effects, "load_shift"))
+    shifts = (
+        hook(vehicle, parameters, history) for hook, parameters in _hooks(effects, "load_shift")
+    )
     return np.asarray(sum(shifts, 0.0 * history.z))
 
 
 def total_body_force(vehicle: Vehicle, effects: Effects, motion: Motion) -> Array:
     """Sum of the forces that slow the body directly [N] (n,)."""
-    forces = (hook(vehicle, own, motion) for hook, own in _hooks(effects, "body_force"))
+    forces = (
+        hook(vehicle, parameters, motion) for hook, parameters in _hooks(effects, "body_force")
+    )
     return np.asarray(sum(forces, 0.0 * motion.v))
 
 
@@ -165,9 +171,9 @@ def as_read(vehicle: Vehicle, effects: Effects, history: RunHistory, a_x: Array)
     """Reading of the accelerometer [m/s^2] (n,), with its lag, at the true ``a_x`` (n,)."""
     reading = as_sensed(vehicle, effects, history, a_x)
     for hook, parameters in _hooks(effects, "accelerometer_lag"):
-        lag, second = hook(parameters)
-        if lag > _NO_LAG:
-            reading = low_pass(history.time, reading, lag, second)
+        T, S = hook(parameters)  # see `Effect`
+        if T > _NO_LAG:
+            reading = low_pass(history.time, reading, T, S)
     return reading
 
 
@@ -180,10 +186,12 @@ def as_sensed(vehicle: Vehicle, effects: Effects, history: RunHistory, a_x: Arra
 
 
 def accelerometer_lag(effects: Effects) -> float:
-    """Sum of the time constants [s]: the time by which a slow acceleration is read late."""
-    return sum((hook(own)[0] for hook, own in _hooks(effects, "accelerometer_lag")), 0.0)
+    """Sum of T of `Effect` over the effects [s]: how late a slow acceleration is read."""
+    return sum(
+        (hook(parameters)[0] for hook, parameters in _hooks(effects, "accelerometer_lag")), 0.0
+    )
 
 
 def reading_delay(effects: Effects, link: str) -> float:
     """Time [s] by which v (``speed_delay``) or all wheels (``wheel_speed_delay``) are read late."""
-    return sum((hook(own) for hook, own in _hooks(effects, link)), 0.0)
+    return sum((hook(parameters) for hook, parameters in _hooks(effects, link)), 0.0)

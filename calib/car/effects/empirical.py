@@ -40,11 +40,11 @@ DRIVERS = {
 """Drivers of a term, with their units.
 
 `time` counts from the last moment without braking, `elapsed` and `distance` from the start of the
-run. The temperature is that of the discs in `DISCS`.
+run. The temperature is that of the discs of the axles in `AXLES_OF`.
 """
 
-DISCS = {"front": "f", "rear": "r", "both": "fr", "body": "f"}
-"""Axles whose disc temperatures a term uses; for the body the front, which take most heat."""
+AXLES_OF = {"front": "f", "rear": "r", "both": "fr", "body": "f"}
+"""Axles on which a term acts. A term on the body reads the front discs, which take most heat."""
 
 
 def effect_of(term: EmpiricalTerm) -> Effect:
@@ -58,9 +58,10 @@ def effect_of(term: EmpiricalTerm) -> Effect:
         parameters=(),
     )
 
-    axles = DISCS[PLACES[term.place]]  # "f", "r" or "fr"
+    axles = AXLES_OF[PLACES[term.place]]  # "f", "r" or "fr"; a term on wheels has one axle
 
     def value(history: RunHistory, axle: str) -> Array:
+        """Change of pad friction, or force over the weight [1] (n,)."""
         return np.interp(_driver_along(history, term.driver, axle), term.knots, term.values)
 
     def friction(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
@@ -86,12 +87,12 @@ def effect_of(term: EmpiricalTerm) -> Effect:
 
 
 def drivers_of(place: str, driver: str, history: RunHistory) -> list[Array]:
-    """Values of the driver of a term on ``place`` along a run [SI], arrays (n,).
+    """Values of the driver of a term on ``place`` along a run, arrays (n,) in its unit.
 
     The list has one array, or for temperatures one for each axle of the place. Raises ModelError
     for a temperature that is not known.
     """
-    axles = DISCS[PLACES[place]] if driver == "temperature" else "f"
+    axles = AXLES_OF[PLACES[place]] if driver == "temperature" else "f"
     return [_driver_along(history, driver, axle) for axle in axles]
 
 

@@ -52,9 +52,9 @@ _DRAWS = 20_000
 
 @dataclass(frozen=True)
 class _VarianceSource:
-    """A row of the analysis of variance."""
+    """A row of the analysis of variance: one cause, called source there."""
 
-    source: str  # cause
+    source: str
     df: int  # degrees of freedom
     ss: float  # sum of squares [unit of the metric squared]
     ms: float  # mean square [unit of the metric squared]
@@ -70,30 +70,32 @@ class Anova:
     expected_mean_squares: Array  # C, (k, k): a row for each mean square
 
 
-def terms_of(car: Codes, station: Codes) -> tuple[str, ...]:
+def causes_of(car: Codes, station: Codes) -> tuple[str, ...]:
     """Return the causes that the design of n readings can separate, in order.
 
-    Stations are separated if a car was on two of them, the interaction if a car was twice on one.
+    A cause is separated if it adds something to the causes before it, as stations do if a car was
+    on two of them. The interaction must also leave something to the repeats; `anova` refuses a
+    design in which the stations leave nothing.
     """
-    names, columns = [CAR], _columns(car)
-    for name, codes in ((STATION, station), (INTERACTION, _cell(car, station))):
+    causes, columns = [CAR], _columns(car)
+    for cause, codes in ((STATION, station), (INTERACTION, _cell(car, station))):
         extended = np.hstack([columns, _columns(codes)])
         rank = np.linalg.matrix_rank(extended)
         adds_nothing = rank == np.linalg.matrix_rank(columns)
-        leaves_no_repeats = name == INTERACTION and rank == car.size
+        leaves_no_repeats = cause == INTERACTION and rank == car.size
         if adds_nothing or leaves_no_repeats:
             break
-        names.append(name)
+        causes.append(cause)
         columns = extended
-    return (*names, REPEATABILITY)
+    return (*causes, REPEATABILITY)
 
 
-def anova(y: Array, car: Codes, station: Codes, terms: tuple[str, ...] | None = None) -> Anova:
-    """Return the analysis of variance of ``y`` (n,) by the causes ``terms``, or by `terms_of`.
+def anova(y: Array, car: Codes, station: Codes, causes: tuple[str, ...] = ()) -> Anova:
+    """Return the analysis of variance of ``y`` (n,) by ``causes``, or by those of `causes_of`.
 
     Raises ValueError if a cause has no degree of freedom left.
     """
-    causes = terms or terms_of(car, station)
+    causes = causes or causes_of(car, station)
     codes = {CAR: car, STATION: station, INTERACTION: _cell(car, station)}
     # y = mean + sum of Z u over the causes, with Z (n, levels) and u the effect of each level
     Z = {cause: _columns(codes[cause]) if cause in codes else np.eye(y.size) for cause in causes}
@@ -191,8 +193,8 @@ def gauge_rr(analysis: Anova, tolerance: float | None = None) -> GaugeRR:
     # draws of expected mean squares and of variances, (k, _DRAWS)
     ms = [x.ms * x.effective_df / _chi2(x.effective_df, i) for i, x in enumerate(analysis.sources)]
     drawn = np.linalg.solve(analysis.expected_mean_squares, np.array(ms))
-    estimates = _components(analysis.variances)
-    draws = _components(dict(zip(analysis.variances, drawn, strict=True)))
+    estimates = _component_variances(analysis.variances)
+    draws = _component_variances(dict(zip(analysis.variances, drawn, strict=True)))
     components = {}
     for name, variance in estimates.items():
         low, high = _interval(draws[name])
@@ -219,7 +221,7 @@ def _chi2(nu: float, stream: int) -> Array:
     return np.random.default_rng([20, stream]).chisquare(nu, _DRAWS)
 
 
-def _components(variances: Mapping[str, Array | float]) -> dict[str, Array]:
+def _component_variances(variances: Mapping[str, Array | float]) -> dict[str, Array]:
     """Return the variance of each component in `GaugeRR`; a negative variance counts as zero."""
     v = {cause: np.maximum(x, 0.0) for cause, x in variances.items()}
     of_stations = {cause: v[cause] for cause in (STATION, INTERACTION) if cause in v}

@@ -28,8 +28,8 @@ from calib.line.gauge.gauge_rr import (
     Anova,
     GaugeRR,
     anova,
+    causes_of,
     gauge_rr,
-    terms_of,
 )
 from calib.logs.log import Log
 from calib.run.axle_signals import signals
@@ -114,7 +114,8 @@ class GaugeStudy:
 def metrics_of(table: Table, log: Log) -> dict[str, float]:
     """Return the metrics of the ramp ``log`` from its ``table``.
 
-    The curves need no metrics: D = C (eta - 1) with the slip stiffness C, and D gives f1 and f2.
+    The curves need no metrics: with the slip stiffness K, D is about K (eta - 1), and it gives f1
+    and f2.
     """
     s, pads = signals(log, table.vehicle.rear.rolling_radius), table.calibration
     omega_f, omega_r = (np.mean(omega[s.lead_in]) for omega in (s.omega_f, s.omega_r))
@@ -175,7 +176,7 @@ def study(readings: tuple[GaugeReading, ...], limits: tuple[Limit, ...] = _DEFAU
     # numbers of car and station of each reading, (n,)
     car = np.unique([reading.car for reading in readings], return_inverse=True)[1]
     station = np.unique([reading.station for reading in readings], return_inverse=True)[1]
-    terms = terms_of(car, station)
+    terms = causes_of(car, station)
     values = {name: np.array([r.figures[name] for r in readings]) for name in readings[0].figures}
     try:
         analyses = {name: anova(y, car, station, terms) for name, y in values.items()}

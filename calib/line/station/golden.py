@@ -1,7 +1,7 @@
 """Distance of a car's table from the golden table of its model, in D(eta), pads and tyres.
 
 A golden table is the released table of a good car, or the mean of several good cars. It must be of
-the same track, since D = C (eta - 1) and the stiffness of the tyres depend on the road. D is
+the same track: D is about K (eta - 1), and the slip stiffness K depends on the road. D is
 compared up to the end of the shorter curve.
 
 The mean of several cars gives the distance also in sigma of these cars:
@@ -88,22 +88,22 @@ def _sigmas(
     pads, golden_pads = (pad_levels(t.vehicle, t.calibration) for t in (table, golden))
     stiffness, mean = (t.calibration.slip_stiffness.value for t in (table, golden))
     budget, freedom = table.budget, spread.freedom
-    of_logarithms = (  # name, difference from the mean, scatter of the cars, parts of the budget
+    of_logarithms = (  # name, difference from the mean, scatter of the cars, variances by part
         ("level", pads.level - golden_pads.level, spread.pad_level, budget.level),
         ("ratio", pads.ratio - golden_pads.ratio, spread.pad_ratio, budget.ratio),
         ("stiffness", math.log(stiffness / mean), spread.stiffness, budget.stiffness),
     )
     sigmas = {}
-    for name, difference, scatter, parts in of_logarithms:
-        sigmas[f"golden_sigma_{name}"] = _sigma(difference, scatter, per_run(parts), freedom)
+    for name, difference, scatter, variances in of_logarithms:
+        sigmas[f"golden_sigma_{name}"] = _sigma(difference, scatter, per_run(variances), freedom)
     if end is not None:
         curve, golden_curve = table.difference, golden.difference
         row = int(np.argmax(np.where(golden_curve.eta <= end, np.abs(golden_curve.D), -1.0)))
-        D, upper, lower, own = (
+        D, upper, lower, run_share = (
             float(np.interp(golden_curve.eta[row], curve.eta, column))
             for column in (curve.D, curve.upper, curve.lower, curve.own)
         )
-        per_run_variance = ((upper - lower) / (2.0 * Z95)) ** 2 * own
+        per_run_variance = ((upper - lower) / (2.0 * Z95)) ** 2 * run_share
         difference = D - float(golden_curve.D[row])
         sigmas["golden_sigma_d"] = _sigma(difference, spread.D[row], per_run_variance, freedom)
     return sigmas

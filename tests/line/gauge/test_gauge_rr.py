@@ -14,8 +14,8 @@ from calib.line.gauge.gauge_rr import (
     STATION,
     TOTAL,
     anova,
+    causes_of,
     gauge_rr,
-    terms_of,
 )
 
 # AIAG, Measurement Systems Analysis, 4th ed., the study of 10 parts, 3 appraisers, 3 trials.
@@ -96,17 +96,17 @@ def test_the_parts_add_up_and_only_scatter_counts(seed):
 
 
 def test_what_a_design_can_tell():
-    assert terms_of(*crossed(4, 3, 2)) == (CAR, STATION, INTERACTION, REPEATABILITY)
-    assert terms_of(*crossed(4, 3, 1)) == (CAR, STATION, REPEATABILITY)
-    assert terms_of(*crossed(4, 1, 3)) == (CAR, REPEATABILITY)
+    assert causes_of(*crossed(4, 3, 2)) == (CAR, STATION, INTERACTION, REPEATABILITY)
+    assert causes_of(*crossed(4, 3, 1)) == (CAR, STATION, REPEATABILITY)
+    assert causes_of(*crossed(4, 1, 3)) == (CAR, REPEATABILITY)
     nested = np.repeat(np.arange(4), 3)
-    assert terms_of(nested, nested // 2) == (CAR, REPEATABILITY)
+    assert causes_of(nested, nested // 2) == (CAR, REPEATABILITY)
 
 
 def test_the_published_study():
     # AIAG MSA, 4th ed.: EV 0.199933, AV 0.226838, GRR 0.302373, PV 1.042327; 18.4, 20.9, 27.9 %;
     # ndc 1.41 * 1.042327 / 0.302373 = 4.861, cut to 4
-    result = gauge_rr(anova(*aiag(), terms=(CAR, STATION, REPEATABILITY)))
+    result = gauge_rr(anova(*aiag(), causes=(CAR, STATION, REPEATABILITY)))
     sd = {name: c.sd for name, c in result.components.items()}
     assert sd[REPEATABILITY] == pytest.approx(0.199933, abs=2e-6)
     assert sd[REPRODUCIBILITY] == pytest.approx(0.226838, abs=2e-6)
@@ -118,7 +118,7 @@ def test_the_published_study():
 
 def test_the_tolerance_is_compared_with_six_standard_deviations():
     # AIAG MSA, 4th ed.: 6 GRR/(USL - LSL), GRR 0.302373 as published
-    design = anova(*aiag(), terms=(CAR, STATION, REPEATABILITY))
+    design = anova(*aiag(), causes=(CAR, STATION, REPEATABILITY))
     result = gauge_rr(design, tolerance=8.0)
     assert result.grr_of_tolerance.value == pytest.approx(6.0 * 0.302373 / 8.0, rel=1e-5)
     low, high = result.grr_of_tolerance.ci95
