@@ -50,22 +50,22 @@ def sources(
 ) -> dict[str, str]:
     """Return the estimator in C for a version of a table, by file: bte.h, bte.c, bte_car_NAME.c.
 
-    The first two are the same for every car of a precision. ``first``: first part of the labels of
-    the data; ``about``: first line of the data. Raises StoreError as `require_plain`,
-    ExchangeError for a precision that C does not have, or a time that no ECU has.
+    ``first``: first part of the labels of the data; ``about``: first line of the data. Raises
+    StoreError as `require_plain`, ExchangeError as `Precision` and `numbers_of`.
     """
     table = stored.table
     require_plain(table)
     numbers, grids = numbers_of(stored, sample_time), code_grids(table, first, how)
     text, layout = header(numbers, how)
     maps, tyre = _maps(grids), as_exported(table, how).tyre
+    # the tyre curve is odd and begins at 0; C has it for thrust, too
     force, slip = ([*(-x[:0:-1]).tolist(), *x.tolist()] for x in (tyre.force, tyre.slip))
-    of_maps = chain.from_iterable(summed for _, summed in maps.values())
-    summed = [*chain.from_iterable(x.values for x in numbers), *of_maps, *force, *slip]
+    of_maps = chain.from_iterable(values for _, values in maps.values())
+    checked = [*chain.from_iterable(x.values for x in numbers), *of_maps, *force, *slip]
     car: dict[str, Any] = {
         "layout": layout,
         "size": "sizeof(bte_car) + sizeof(bte_numbers)",
-        "checksum": f"0x{checksum(summed, how.floating):08X}U",
+        "checksum": f"0x{checksum(checked, how.floating):08X}U",
         "samples": samples_of_block(sample_time),
         "waiting": samples_in(Constants.before_bite, time_of_block(sample_time)),
         "numbers": f"&{first}_numbers",
@@ -92,9 +92,9 @@ def code_grids(table: Table, first: str, how: Precision, most_axes: int = MOST_A
 
     They are sliced where they have more axes. Raises ExchangeError as `Precision`.
     """
-    read = {*(name for name, _ in PADS), *SLIP, *LEVEL}
+    columns = {*(name for name, _ in PADS), *SLIP, *LEVEL}
     maps = maps_of(table, first, replace(how, code=True), most_axes)
-    return [grid for _, grids in maps for grid in grids if grid.column in read]
+    return [grid for _, grids in maps for grid in grids if grid.column in columns]
 
 
 def axes_of(grids: Iterable[Grid]) -> list[Axis]:
@@ -105,19 +105,17 @@ def axes_of(grids: Iterable[Grid]) -> list[Axis]:
 def _maps(grids: Iterable[Grid]) -> dict[str, tuple[list[Any], list[float]]]:
     """Return the members of each `bte_map`, and its numbers in the order of `checksum` in bte.c."""
     by_column = {(grid.column, len(grid.axes)): grid for grid in grids}
-    ratio = [name for name, _ in PADS]
-    maps = {"pads": (ratio, 3), "slip": (SLIP, 2), "level": (LEVEL, 1), "prior": (ratio, 1)}
-    return {name: _map([by_column[x, axes] for x in columns])
-            for name, (columns, axes) in maps.items()}  # fmt: skip
-
-
-def _map(columns: list[Grid]) -> tuple[list[Any], list[float]]:
-    axes = columns[0].axes
-    steps = [x.fixed.step if x.fixed else 1.0 for x in columns]
-    cells = [(step, *_cells(x)) for step, x in zip(steps, columns, strict=True)]
-    places = [[axis.label, len(axis.values)] for axis in axes]
-    members = [places, len(axes), len(columns), [x.label for x in columns], steps]
-    return members, [*chain.from_iterable((*(axis.numbers for axis in axes), *cells))]
+    ratio, maps = [name for name, _ in PADS], dict[str, tuple[list[Any], list[float]]]()
+    for name, names, count in (
+        ("pads", ratio, 3), ("slip", SLIP, 2), ("level", LEVEL, 1), ("prior", ratio, 1),
+    ):  # fmt: skip
+        columns = [by_column[column, count] for column in names]
+        axes, steps = columns[0].axes, [x.fixed.step if x.fixed else 1.0 for x in columns]
+        points = [[axis.label, len(axis.values)] for axis in axes]
+        cells = [[step, *_cells(x)] for step, x in zip(steps, columns, strict=True)]
+        members = [points, count, len(columns), [x.label for x in columns], steps]
+        maps[name] = members, [*chain(*(axis.numbers for axis in axes), *cells)]
+    return maps
 
 
 def _cells(grid: Grid) -> list[Any]:
@@ -125,11 +123,11 @@ def _cells(grid: Grid) -> list[Any]:
 
 
 def checksum(values: list[float], bits: int) -> int:
-    """Return what `checksum` of bte.c makes of floats of ``bits``, in any order of bytes."""
+    """Return the checksum of floats of ``bits``, as `checksum` of bte.c computes it."""
     total = 0
-    for word in np.array(values, f"<f{bits // 8}").view(f"<u{bits // 8}").tolist():
-        for half in (word & 0xFFFF_FFFF, word >> 32):
-            total = (total ^ half) * _FNV_PRIME & 0xFFFF_FFFF
+    for number in np.array(values, f"<f{bits // 8}").view(f"<u{bits // 8}").tolist():
+        for word in (number & 0xFFFF_FFFF, number >> 32):
+            total = (total ^ word) * _FNV_PRIME & 0xFFFF_FFFF
     return total
 
 

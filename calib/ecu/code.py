@@ -95,12 +95,10 @@ def write_code(
 ) -> WrittenCode:
     """Write the estimator, or the simulated car, with the numbers of a version.
 
-    ``form``: ``ecu``, a folder; ``fmu2`` or ``fmu3``, the same in an FMU; ``car-fmu2`` or
-    ``car-fmu3``, an FMU of the car whose sensors the estimator reads. ``sample_time`` from call to
-    call of the ECU's task [s]. A folder may have another ``first`` part of its labels than the
-    table's name, and takes addresses of the A2L from ``elf``, the linked program. An FMU may be
-    ``compiled`` for this machine, too, by FMPy. ``without_effects`` and ``unreleased`` say what may
-    be handed out, see `require_handed_out`.
+    ``form``: one of `calib.exports.export.CODES`. ``sample_time`` from call to call of the ECU's
+    task [s]. A folder may have another ``first`` part of its labels than the table's name, and
+    takes the addresses of the A2L from ``elf``, the linked program. An FMU may be ``compiled`` for
+    this machine by FMPy. ``without_effects`` and ``unreleased``: see `require_handed_out`.
 
     Raises StoreError for a version that is not handed out or has effects that the code cannot take
     out, ExchangeError for other options, ProgramError where ``elf`` holds another table, OSError.
@@ -109,9 +107,11 @@ def write_code(
     car = stored.table.vehicle
     car = replace(car, effects=car.effects.without(*without_effects))
     stored = replace(stored, table=replace(stored.table, vehicle=car))
-    if form == FOLDER and compiled:
-        raise ExchangeError("only an FMU is compiled", expected="fmu2, fmu3 and those of the car")
     if form == FOLDER:
+        if compiled:
+            raise ExchangeError(
+                "only an FMU is compiled", expected="fmu2, fmu3, car-fmu2, car-fmu3"
+            )
         first = prefix(stored.name if first is None else first)
         files = tuple(_write_folder(stored, out, how, sample_time, first, elf))
         axes = axes_of(code_grids(stored.table, first, how))
@@ -130,7 +130,7 @@ def write_code(
 def _write_folder(
     stored: Stored, folder: Path, how: Precision, sample_time: float, first: str, elf: Path | None
 ) -> list[str]:
-    """Write the folder of an ECU; return the names of its files."""
+    """Write the folder of an ECU, and return the names of its files."""
     table, car, state = stored.table, f"{CAR}_{first}", stored.state.description
     about = as_comment(f"By brake-cal: {stored.id}, digest {stored.digest}, {state}")
     texts = sources(stored, sample_time, how, first, about)
@@ -144,12 +144,12 @@ def _write_folder(
     texts |= {name: source(name, **facts) for name in _COPIED}
     texts["bte_vectors.h"] = _vectors(as_exported(table, how), sample_time, how, car)
     files = {name: text.encode() for name, text in texts.items()}
-    whole = build(stored, how.points, how.bits, first=first)
-    version = replace(whole.scalars[0], fixed=None)
-    whole = replace(whole, curves=(), scalars=(version,), single=how.floating == 32)
+    exported = build(stored, how.points, how.bits, first=first)
+    version = replace(exported.scalars[0], fixed=None)
+    common = replace(exported, curves=(), scalars=(version,), single=how.floating == 32)
     for form in _TOOLS:
         grids = code_grids(table, first, how, FORMATS[form].most_axes)
-        data = replace(whole, axes=tuple(axes_of(grids)), maps=tuple(grids))
+        data = replace(common, axes=tuple(axes_of(grids)), maps=tuple(grids))
         if FORMATS[form].addressed:
             size, numbers = how.floating // 8, numbers_of(stored, sample_time)
             scalars, members = calibrated(numbers, first, size), measured(first, size)

@@ -13,6 +13,7 @@ import sys
 import zipfile
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from typing import Literal
 
@@ -46,28 +47,28 @@ _CAR_REASONS = (
 def _variables(content: Content) -> Iterator[Variable]:
     """Return the variables of the FMU, in the order of their references."""
     for causality in ("input", "parameter", "output", "independent"):
-        bounds = _BOUNDS if (content, causality) == ("estimator", "output") else {"": ""}
-        for x in (x for x in VARIABLES.values() if causality in getattr(x, content)):
-            for end, words in bounds.items():
-                yield x._replace(name=x.name + end, meaning=x.meaning + words)
+        has_bounds = content == "estimator" and causality == "output"
+        alike = [x for x in VARIABLES.values() if causality in getattr(x, content)]
+        for x, (end, words) in product(alike, (_BOUNDS if has_bounds else {"": ""}).items()):
+            yield x._replace(name=x.name + end, meaning=x.meaning + words)
     reasons = "; ".join(f"{int(reason)} {reason.words}" for reason in Reason)
     yield REASON._replace(meaning=reasons if content == "estimator" else _CAR_REASONS)
 
 
 def _starts(table: Table, content: Content) -> dict[str, float]:
-    """Return the first values of inputs and parameters."""
-    car, causalities = simulated(table), ("input", "parameter")
+    """Return the first values of inputs and parameters; 0 of an input."""
+    car = simulated(table)
     first = {"pad_friction_f": car.pad_friction_f, "pad_friction_r": car.pad_friction_r, "v0": _V0}
     first |= {f"tyre_{name}": x for name, x in vars(car.tyre).items()}
-    names = [x.name for x in VARIABLES.values() if getattr(x, content).startswith(causalities)]
-    return {name: first.get(name, 0.0) for name in names}
+    variables = (x for x in VARIABLES.values()
+                 if getattr(x, content).startswith(("input", "parameter")))  # fmt: skip
+    return {x.name: first.get(x.name, 0.0) for x in variables}
 
 
 def simulated(table: Table) -> Model:
     """Return the car of a table as its ramp shows it, with tyres that peak as on wet asphalt."""
-    ramp, load_exponent = table.calibration, float(table.draws.load_exponent.mean())
-    stiffness = ramp.slip_stiffness.value
-    tyre = replace(WET_ASPHALT, stiffness=stiffness, load_exponent=load_exponent)
+    ramp, exponent = table.calibration, float(table.draws.load_exponent.mean())
+    tyre = replace(WET_ASPHALT, stiffness=ramp.slip_stiffness.value, load_exponent=exponent)
     pads = ramp.pad_friction_f.value, ramp.pad_friction_r.value
     return Model(table.vehicle, *pads, tyre, known_effects(table))
 

@@ -91,12 +91,12 @@ def _definition(node: ast.ClassDef | ast.FunctionDef, parts: dict[str, str]) -> 
     assigned = Counter(x.id for x in names if isinstance(x.ctx, ast.Store))
     for x in parameters:
         assigned.pop(x.arg, None)
-    inlined = "CALLED " if node.name in _NOT_INLINED else ""
+    called = "CALLED " if node.name in _NOT_INLINED else ""
     docstring = " ".join((ast.get_docstring(node) or "").split()).replace("``", "")
     yield from ("", f"/* {docstring} */")
-    yield f"{inlined}static {_declared(node.returns, node.name)}({declared}) {{"
+    yield f"{called}static {_declared(node.returns, node.name)}({declared}) {{"
+    has_view = f"s: {_VIEW}" in ast.unparse(node.args)
     for line in _statements(node.body[1:], assigned):
-        has_view = f"s: {_VIEW}" in ast.unparse(node.args)
         yield re.sub(r"\bs->(\w+)", lambda s: parts[s[1]], line) if has_view else line
     yield "}"
 

@@ -100,7 +100,7 @@ def _check_same(path: Path, data: Dataset, constant: Object, elf: Any, symbol: A
         raise ProgramError(
             f"holds other numbers in {constant.label}, {size} bytes",
             where=path,
-            expected=f"those of {data.id}, {values.nbytes} bytes",
+            expected=f"those of {data.stored.id}, {values.nbytes} bytes",
             do="export the version that the program holds, with --points, --fixed-point or --float "
             "of its C header, or build the program again",
         )

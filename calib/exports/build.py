@@ -98,9 +98,9 @@ def _curves_of(table: Table, first: str, precision: Precision) -> Iterator[tuple
         error, written = misfit(x, y, x[rows], y[:, rows]), precision.axis(name, x[rows], origin)
         axis = Axis(name, meaning, UNIT, *written, shared, origin, len(x), error)
         curves = []
-        for column, (means, *columns) in over.items():
+        for column, (text, *columns) in over.items():
             values, low, high, count, flag = (each[rows] for each in columns)
-            named = label(first, column), means, UNIT, *precision.numbers(values)
+            named = label(first, column), text, UNIT, *precision.numbers(values)
             curves.append(Grid(*named, column, (low, high), count, flag, axes=(axis,)))
         yield axis, curves
 
@@ -108,8 +108,8 @@ def _curves_of(table: Table, first: str, precision: Precision) -> Iterator[tuple
 def _name(part: str, name: str) -> str:
     """Return the name of an axis or a column of a map in its label.
 
-    ``_0`` marks what is known before eta is read, rho_0 of the step. The slip of a map is
-    ``slip_apart``, since the tyre curve has an axis ``slip``.
+    ``_0`` marks the prior, before eta is read. The slip of a map is ``slip_apart``, since the tyre
+    curve has an axis ``slip``.
 
     >>> _name("map", "slip"), _name("level_map", "z"), _name("level_map", "ratio_lower")
     ('slip_apart', 'z_level', 'ratio_0_lower')
@@ -155,9 +155,9 @@ def _cut(grid: Grid, index: int) -> Grid:
     return replace(
         grid,
         values=grid.values[part],
-        fixed=grid.fixed and replace(grid.fixed, raw=grid.fixed.raw[part]),
+        fixed=replace(grid.fixed, raw=grid.fixed.raw[part]) if grid.fixed else None,
         axes=grid.axes[:-1],
-        bounds=bounds and (bounds[0][part], bounds[1][part]),
+        bounds=(bounds[0][part], bounds[1][part]) if bounds else None,
     )
 
 

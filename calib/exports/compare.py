@@ -46,19 +46,19 @@ def _best_rounding(pairs: Sequence[Pair]) -> tuple[str, list[Pair]]:
     formats = {f"to {n} significant digits": f".{n - 1}e" for n in _DIGITS}
     formats |= {f"to {n} decimals": f".{n}f" for n in _DIGITS}
     unexplained = {
-        "": [pair for pair in pairs if pair.read.hex() != pair.true.hex()],
-        "to single precision": [p for p in pairs if np.float32(p.read) != np.float32(p.true)],
+        "": [x for x in pairs if x.read.hex() != x.true.hex()],
+        "to single precision": [x for x in pairs if np.float32(x.read) != np.float32(x.true)],
     }
     if all(unexplained.values()):
         for rounding, form in formats.items():
-            unexplained[rounding] = [pair for pair in pairs if not _rounds(pair, form)]
+            unexplained[rounding] = [x for x in pairs if x.read not in _rounded(x.true, form)]
     best = min(unexplained, key=lambda rounding: len(unexplained[rounding]))
     return best, unexplained[best]
 
 
-def _rounds(pair: Pair, form: str) -> bool:
-    """Whether a format makes the number read of the true one, in double or single precision."""
-    return pair.read in (float(f"{x:{form}}") for x in (pair.true, float(np.float32(pair.true))))
+def _rounded(x: float, form: str) -> list[float]:
+    """Return what a format makes of a number in double and in single precision."""
+    return [float(f"{number:{form}}") for number in (x, float(np.float32(x)))]
 
 
 def parent(file: Returned, store: Store) -> Stored | None:

@@ -43,13 +43,13 @@ class Content:
     @property
     def checksum(self) -> str:
         """SHA-256 over labels and numbers with all their bits [hex]."""
-        lines = [f"scalar {n} {float(v).hex()}" for n, v in sorted(self.scalars.items())]
-        lines += [f"axis {n} {_hex(v)}" for n, v in sorted(self.axes.items())]
-        grids = sorted((len(over) > 1, n, over, y) for n, (over, y) in self.grids.items())
-        lines += [
-            f"{'map' if several else 'curve'} {n} {' by '.join(map(_hex, over))} of {_hex(y)}"
-            for several, n, over, y in grids
-        ]
+        lines = [f"scalar {name} {float(x).hex()}" for name, x in sorted(self.scalars.items())]
+        lines += [f"axis {name} {_hex(x)}" for name, x in sorted(self.axes.items())]
+        grids = {"curve": list[str](), "map": list[str]()}
+        for name, (axes, values) in sorted(self.grids.items()):
+            kind = "map" if len(axes) > 1 else "curve"
+            grids[kind].append(f"{kind} {name} {' by '.join(map(_hex, axes))} of {_hex(values)}")
+        lines += grids["curve"] + grids["map"]
         return sha256("\n".join(lines).encode())
 
 
@@ -189,11 +189,6 @@ class Dataset:
         return f"{self.prefix}_digest"
 
     @property
-    def id(self) -> str:
-        """Name and version of the table."""
-        return self.stored.id
-
-    @property
     def objects(self) -> tuple[Object, ...]:
         """Axes, curves, maps, scalars."""
         return (*self.axes, *self.curves, *self.maps, *self.scalars)
@@ -213,7 +208,7 @@ class Dataset:
         """Number format of a file for an ECU, in words."""
         if self.bits is None:
             return "float" if self.single else "double"
-        wide = "; scalars and axes of maps int16_t" * (self.bits < LEAST_BITS)
+        wide = "; scalars and axes of maps int16_t" if self.bits < LEAST_BITS else ""
         return f"int{self.bits}_t, value = origin + step * raw{wide}"
 
     @property
@@ -232,9 +227,9 @@ class Dataset:
         """The numbers by label."""
         grids = (*self.curves, *self.maps)
         return Content(
-            {a.label: tuple(a.numbers) for a in self.axes if a.shared},
-            {s.label: s.numbers[0] for s in self.scalars},
-            {g.label: (tuple(tuple(a.numbers) for a in g.axes), tuple(g.numbers)) for g in grids},
+            {axis.label: tuple(axis.numbers) for axis in self.axes if axis.shared},
+            {scalar.label: scalar.numbers[0] for scalar in self.scalars},
+            {x.label: (tuple(tuple(a.numbers) for a in x.axes), tuple(x.numbers)) for x in grids},
         )
 
     def facts(self) -> dict[str, str]:

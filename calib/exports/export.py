@@ -24,18 +24,16 @@ an FMU of the simulated car, whose sensors the estimator reads."""
 
 def _form_of(path: Path, written: str | None) -> str:
     """Return the format that is named, in upper or lower case, else that of the file's ending."""
-    if written is not None and written.lower() in FORMATS:
-        return written.lower()
-    if written is not None:
-        formats = [*ENDINGS, *CODES]
-        do = did_you_mean(written.lower(), formats)
-        raise ExchangeError(f"unknown format {written!r}", expected=", ".join(formats), do=do)
     endings = {f".{ending}": name for name, ending in ENDINGS.items()}
-    if path.suffix.lower() in endings:
-        return endings[path.suffix.lower()]
-    raise ExchangeError(
-        "its ending names no format", where=path, expected=f"one of {', '.join(endings)}"
-    )
+    form = endings.get(path.suffix.lower(), "") if written is None else written.lower()
+    if form in FORMATS:
+        return form
+    if written is None:
+        expected = f"one of {', '.join(endings)}"
+        raise ExchangeError("its ending names no format", where=path, expected=expected)
+    formats = [*ENDINGS, *CODES]
+    do = did_you_mean(form, formats)
+    raise ExchangeError(f"unknown format {written!r}", expected=", ".join(formats), do=do)
 
 
 @dataclass(frozen=True)
@@ -48,7 +46,7 @@ class Exported:
     content: bytes = field(repr=False)
 
     def __repr__(self) -> str:
-        return f"{self.path}: {self.data.id} as {self.form}, {len(self.content)} bytes"
+        return f"{self.path}: {self.data.stored.id} as {self.form}, {len(self.content)} bytes"
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -158,7 +156,7 @@ def export(
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     dcm = Path(folder) / "car.dcm"
     ...     written = calib.export(table, dcm, points=16, unreleased=True)
-    >>> written.form, written.data.id, [len(axis.values) for axis in written.data.axes[:2]]
+    >>> written.form, written.data.stored.id, [len(axis.values) for axis in written.data.axes[:2]]
     ('dcm', 'sedan-sim@0', [16, 16])
     """
     stored = unstored(table)

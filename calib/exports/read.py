@@ -24,15 +24,14 @@ _Parts = tuple[dict[str, str], dict[str, str], Content]  # facts by key, units b
 
 @dataclass(frozen=True)
 class Returned:
-    """A file read back, in the ``format`` DCM or CDF.
+    """A file read back, in the ``format`` DCM or CDF, with the ``facts`` of its head by key.
 
-    ``facts`` of its head by key, ``units`` by label, and the numbers. ``prefix``: first part of the
-    labels. ``table``: id of the table, by the head or by the labels.
+    ``prefix``: first part of the labels. ``table``: id of the table, by the head or by the labels.
     """
 
     format: str
     facts: dict[str, str]
-    units: dict[str, str]
+    units: dict[str, str]  # by label
     content: Content
     prefix: str
     table: str
@@ -54,14 +53,13 @@ def read_back(path: Path) -> Returned:
     form, read = (CDF, _read_cdf) if is_xml else (DCM, _read_dcm)
     facts, units, content = read(path, data)
     firsts = [name.removesuffix(_VERSION) for name in content.scalars if name.endswith(_VERSION)]
-    firsts = [x for x in firsts if {f"{x}_D", f"{x}_level"} & content.grids.keys()]
+    firsts = [x for x in firsts if f"{x}_D" in content.grids or f"{x}_level" in content.grids]
     if not firsts and "table" in facts:  # the file has only a part of the table
         firsts = [prefix(facts["table"].partition("@")[0])]
     if len(firsts) != 1:
-        message = (
-            f"{form} with the labels of {len(firsts)} tables: NAME{_VERSION}, NAME_D or NAME_level"
-        )
-        raise _bad(path, message, "an export of one table, or that file as another tool saved it")
+        labels = f"the labels of {len(firsts)} tables: NAME{_VERSION}, NAME_D or NAME_level"
+        expected = "an export of one table, or that file as another tool saved it"
+        raise _bad(path, f"{form} with {labels}", expected)
     if facts.get("objects", str(len(content))) != str(len(content)):
         flaw = f"holds {len(content)} objects and states {facts['objects']}: cut off, or joined"
         raise ExchangeError(flaw, where=path, do="export the table again")
@@ -101,7 +99,8 @@ def _read_dcm(path: Path, data: bytes) -> _Parts:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise _bad(path, f"not text ({error.reason})", "DCM or CDF") from error
-    if odd := _CONTROL.search(text):
+    odd = _CONTROL.search(text)
+    if odd:
         line = text.count("\n", 0, odd.start()) + 1
         raise _bad(path, f"the control character U+{ord(odd[0]):04X} in line {line}", "text")
     lines = [line.strip() for line in text.splitlines()]
@@ -119,9 +118,10 @@ def _read_dcm(path: Path, data: bytes) -> _Parts:
     grids: dict[str, tuple[tuple[Numbers, ...], Numbers]] = {}
     for b in (b for b in blocks if b.kind in (_GROUP, _LINE, _MAP)):
         arrays = [array for array in (_Y, _X) if array in b.numbers]
-        for array in arrays if b.kind != _LINE else ():
-            if axes.get(over := b.over.get(array, "")) != b.numbers[array]:
-                message = f"{b.name} is over {over or 'no axis'}, which is missing or differs"
+        for array in arrays:
+            axis = b.over.get(array, "no axis")
+            if b.kind != _LINE and axes.get(axis) != b.numbers[array]:
+                message = f"{b.name} is over {axis}, which is missing or differs"
                 raise _bad(path, message, f"the axis it repeats, as {_AXIS}")
         grids[b.name] = tuple(b.numbers[array] for array in arrays), b.numbers[_W]
     scalars = {b.name: b.numbers[_W][0] for b in blocks if b.kind == _VALUE}
@@ -136,7 +136,7 @@ def _words(part: str) -> list[list[str]]:
 def _block(path: Path, part: str) -> _Block:
     """Read the object in front of an END: its first line, its texts, and its numbers."""
     first, *lines = _words(part) or [[""]]
-    kind, name, *sizes = *first, *[""] * (2 - len(first))
+    kind, name, *sizes = first if len(first) > 1 else [first[0], ""]
     if kind not in _ARRAYS or (not name and kind != _FUNCTIONS):
         raise _bad(path, f"{' '.join(first)!r} begins no object", f"one of {', '.join(_ARRAYS)}")
     where, unit = f"{path}: {name}", ""
@@ -148,7 +148,8 @@ def _block(path: Path, part: str) -> _Block:
             raise _bad(where, f"{word!r} within {kind}", ", ".join((*arrays, *_TEXTS)))
         elif word == ("EINHEIT_X" if kind == _AXIS else "EINHEIT_W"):
             unit = " ".join(words).strip('"')
-    if len(sizes) != (2 if kind == _MAP else _X in arrays) or not all(map(str.isdecimal, sizes)):
+    axes = sum(array in arrays for array in (_X, _Y))
+    if len(sizes) != axes or not all(size.isdecimal() for size in sizes):
         raise _bad(where, " ".join(first), "the number of its points along each axis")
     counts = [int(size) for size in sizes]
     declared = dict(zip((_X, _Y), counts, strict=False)) | {_W: math.prod(counts)}
@@ -196,28 +197,28 @@ def _read_cdf(path: Path, text: bytes) -> _Parts:
     objects = [(x.findtext("SHORT-NAME", ""), x) for x in tree.findall("SW-INSTANCE")]
     unit = "SW-VALUE-CONT/UNIT-DISPLAY-NAME"
     units = _once(path, ((name, instance.findtext(unit, "")) for name, instance in objects))
-    values: dict[str, dict[str, Numbers]] = {k: {} for k in ("COM_AXIS", *_AXES, "VALUE")}
+    values: dict[str, dict[str, Numbers]] = {x: {} for x in ("COM_AXIS", *_AXES, "VALUE")}
     for name, instance in objects:
         kind = instance.findtext("CATEGORY", "")
         if kind not in values:
             raise _bad(f"{path}: {name}", f"category {kind}", ", ".join(values))
         values[kind][name] = _values(path, name, instance.find("SW-VALUE-CONT"))
     axes, named = values["COM_AXIS"], dict(objects)
-    grids = {
-        n: (_over(path, n, named[n], axes, count), y)
-        for kind, count in _AXES.items()
-        for n, y in values[kind].items()
-    }
-    for name, (over, y) in grids.items():
-        if len(y) != math.prod(map(len, over)):
-            message = f"{len(y)} values over axes of {' by '.join(str(len(x)) for x in over)}"
-            raise ExchangeError(message, where=f"{path}: {name}")
-    scalars = {n: v[0] for n, v in values["VALUE"].items()}
+    grids: dict[str, tuple[tuple[Numbers, ...], Numbers]] = {}
+    for kind, count in _AXES.items():
+        for name, numbers in values[kind].items():
+            over = _over(path, name, named[name], axes, count)
+            if len(numbers) != math.prod(map(len, over)):
+                sizes = " by ".join(str(len(x)) for x in over)
+                message = f"{len(numbers)} values over axes of {sizes}"
+                raise ExchangeError(message, where=f"{path}: {name}")
+            grids[name] = over, numbers
+    scalars = {name: numbers[0] for name, numbers in values["VALUE"].items()}
     return facts, units, Content(axes, scalars, grids)
 
 
 def _root(path: Path, text: bytes) -> ET.Element:
-    # A few bytes of entities can expand to gigabytes; other encodings could hide an entity.
+    # a few bytes of entities can expand to gigabytes; text of UTF-16 could hide an entity
     if b"<!ENTITY" in text or b"\0" in text:
         raise _bad(path, "declares an entity", "XML without entities")
     try:
@@ -230,10 +231,10 @@ def _over(
     path: Path, curve: str, instance: ET.Element, axes: dict[str, Numbers], count: int
 ) -> tuple[Numbers, ...]:
     """Return the axes of a curve or map, the slowest first: its own, or shared ones by label."""
-    over, conts = list[Numbers](), instance.findall("SW-AXIS-CONTS/SW-AXIS-CONT")  # X first
-    if len(conts) != count:
-        raise ExchangeError(f"has {len(conts)} of {count} axes", where=f"{path}: {curve}")
-    for axis in reversed(conts):
+    over, parts = list[Numbers](), instance.findall("SW-AXIS-CONTS/SW-AXIS-CONT")  # X first
+    if len(parts) != count:
+        raise ExchangeError(f"has {len(parts)} of {count} axes", where=f"{path}: {curve}")
+    for axis in reversed(parts):
         name = axis.findtext("SW-INSTANCE-REF")
         if name is not None and name not in axes:
             raise ExchangeError(f"is over {name}, which is missing", where=f"{path}: {curve}")
@@ -242,7 +243,7 @@ def _over(
 
 
 def _values(path: Path, name: str, part: ET.Element | None) -> Numbers:
-    texts = [] if part is None else [v.text or "" for v in part.findall("SW-VALUES-PHYS//V")]
-    if not texts:
+    numbers = [] if part is None else part.findall("SW-VALUES-PHYS//V")
+    if not numbers:
         raise ExchangeError("no SW-VALUES-PHYS with a V", where=f"{path}: {name}")
-    return _floats(f"{path}: {name}", texts)
+    return _floats(f"{path}: {name}", [number.text or "" for number in numbers])

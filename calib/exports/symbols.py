@@ -10,7 +10,7 @@ from calib.base.digest import sha256
 LONGEST, LONGEST_PREFIX = 31, 16
 """Characters of a label (significant in every C99 compiler), and of its first part."""
 _MARK = 4  # digits of the name's digest at the end of a label that was shortened
-_NONE_GIVEN = (
+_NO_ELF = (
     "all addresses are 0 and little endian is assumed: `tables export --elf FILE` takes them from "
     "the linked program"
 )
@@ -26,14 +26,14 @@ def prefix(name: str) -> str:
     word = re.sub(r"[^A-Za-z0-9]+", "_", plain).strip("_")
     if not word[:1].isalpha():
         word = f"t_{word}".rstrip("_")
-    whole = re.fullmatch(r"[A-Za-z0-9._-]+", name) is not None
-    return word if whole and len(word) <= LONGEST_PREFIX else _marked(word, name, LONGEST_PREFIX)
+    is_plain = re.fullmatch(r"[A-Za-z0-9._-]+", name) is not None
+    return word if is_plain and len(word) <= LONGEST_PREFIX else _marked(word, name, LONGEST_PREFIX)
 
 
 def label(*parts: str) -> str:
-    """Return the label of an object: an identifier in C and in every format, of 31 characters."""
-    whole = "_".join(parts)
-    return whole if len(whole) <= LONGEST else _marked(whole, whole, LONGEST)
+    """Return the label of an object: an identifier in C and every format, at most 31 characters."""
+    name = "_".join(parts)
+    return name if len(name) <= LONGEST else _marked(name, name, LONGEST)
 
 
 def _marked(word: str, name: str, longest: int) -> str:
@@ -76,4 +76,4 @@ class Addresses:
     by_label: dict[str, int] = field(default_factory=dict)
     segment: tuple[int, int] = (0, 0)
     big_endian: bool = False
-    remarks: tuple[str, ...] = (_NONE_GIVEN,)
+    remarks: tuple[str, ...] = (_NO_ELF,)

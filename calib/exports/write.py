@@ -86,10 +86,10 @@ def _write_json(data: Dataset) -> bytes:
 
 def _map(grid: Grid) -> dict[str, Any]:
     """Return a map with its bounds for JSON, nested as its axes are."""
-    head = {"label": grid.label, "axes": [axis.label for axis in grid.axes]}
     values = {"values": grid.values} | _bounds(grid)
-    nested = {name: x.reshape(grid.shape) for name, x in values.items()}
-    return {**head, "meaning": grid.meaning, "unit": grid.unit, **nested}
+    head = {"label": grid.label, "axes": [axis.label for axis in grid.axes]}
+    head |= {"meaning": grid.meaning, "unit": grid.unit}
+    return head | {name: x.reshape(grid.shape) for name, x in values.items()}
 
 
 def _bounds(grid: Grid) -> dict[str, Array]:
@@ -217,9 +217,10 @@ def _c_numbers(constant: Object, single: bool) -> Any:
     """Return the numbers of an object in C, those of a map nested as its axes are."""
     if constant.fixed is None:
         numbers = constant.values.astype(np.float32 if single else np.float64)
-        texts = [f"{x!s}{'F' * single}" for x in numbers]
+        suffix = "F" if single else ""
     else:
-        texts = [f"{v}{'L' * (constant.fixed.bits == 32)}" for v in constant.fixed.raw.tolist()]
+        numbers, suffix = constant.fixed.raw, "L" if constant.fixed.bits == 32 else ""
+    texts = [f"{x!s}{suffix}" for x in numbers]
     shape = constant.shape if isinstance(constant, Grid) else (-1,)
     return np.array(texts, dtype=object).reshape(shape).tolist()
 

@@ -46,18 +46,21 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
         bte_inputs in = bte_vectors_inputs[k];
         bte_real *x = (bte_real *)&in;
         for (size_t f = 0; f + FAULT <= size; f += FAULT) {
-            const uint8_t *of = data + f;
-            const uint32_t begin = of[0] * BTE_VECTORS_COUNT / 256U, lasts = 1U + of[4] * of[4] / 64U;
+            const uint8_t *fault = data + f;
+            const uint32_t begin = fault[0] * BTE_VECTORS_COUNT / 256U;
+            const uint32_t lasts = 1U + fault[4] * fault[4] / 64U;
+            const unsigned what = fault[1] % 13U; /* an input, a reset, all wheels alike */
             if (k >= begin && k < begin + lasts) {
-                if (of[1] % 13U == 12U) { /* all wheels alike */
-                    for (unsigned i = 2; i < 6; i++) { x[i] = spoilt(x[i], of[2], of[3], x[i]); }
-                } else if (of[1] % 13U == 11U && k == begin) {
+                if (what == 12U) {
+                    for (unsigned i = 2; i < 6; i++) {
+                        x[i] = spoilt(x[i], fault[2], fault[3], x[i]);
+                    }
+                } else if (what == 11U && k == begin) {
                     bte_exchange(&s, BTE_VECTORS_CAR);
                     if (!bte_resume(&s, BTE_VECTORS_CAR)) { abort(); }
-                } else if (of[1] % 13U < 11U) {
-                    const unsigned i = of[1] % 13U;
+                } else if (what < 11U) {
                     const bte_real *first = (const bte_real *)&bte_vectors_inputs[begin];
-                    x[i] = spoilt(x[i], of[2], of[3], first[i]);
+                    x[what] = spoilt(x[what], fault[2], fault[3], first[what]);
                 }
             }
         }

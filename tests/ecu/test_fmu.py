@@ -44,34 +44,34 @@ def fmus(tmp_path_factory):
         pytest.skip("missing here: cmake or cc")
     folder, fmus = tmp_path_factory.mktemp("bare"), {}
     for model, version in (("estimator", 3), ("car", 2)):
-        path, about = written(folder / f"{model}.fmu", SEDAN, version, model)
+        path, parsed = written(folder / f"{model}.fmu", SEDAN, version, model)
         with pytest.MonkeyPatch.context() as patch:
             patch.setenv("PATH", PATH)
             compile_fmu(path)
-        fmus[model] = fmpy.extract(path, folder / model), about
+        fmus[model] = fmpy.extract(path, folder / model), parsed
     return fmus
 
 
 def run(fmu, inputs, **parameters):
     """What an FMU tells at its start, and after a step with each row of the inputs, by name."""
-    unpacked, about = fmu
+    unpacked, parsed = fmu
     time = STEP * np.arange(len(inputs["p_mc"]))
     given = np.rec.fromarrays([time, *inputs.values()], names=["time", *inputs])
-    how = {"model_description": about, "stop_time": STEP * len(time), "output_interval": STEP}
+    how = {"model_description": parsed, "stop_time": STEP * len(time), "output_interval": STEP}
     return fmpy.simulate_fmu(unpacked, input=given, start_values=parameters, **how)
 
 
 def ready(fmu):
     """An instance that is ready to step, with the names of FMI 3."""
-    unpacked, about = fmu
-    one = fmpy.instantiate_fmu(unpacked, about, "CoSimulation")
-    if about.fmiVersion == "2.0":
-        one.setupExperiment(startTime=0.0)
-        one.getFloat64, one.setFloat64 = one.getReal, one.setReal
-        one.getInt32, one.setInt32 = one.getInteger, one.setInteger
-    one.enterInitializationMode()
-    one.exitInitializationMode()
-    return one
+    unpacked, parsed = fmu
+    instance = fmpy.instantiate_fmu(unpacked, parsed, "CoSimulation")
+    if parsed.fmiVersion == "2.0":
+        instance.setupExperiment(startTime=0.0)
+        instance.getFloat64, instance.setFloat64 = instance.getReal, instance.setReal
+        instance.getInt32, instance.setInt32 = instance.getInteger, instance.setInteger
+    instance.enterInitializationMode()
+    instance.exitInitializationMode()
+    return instance
 
 
 @pytest.mark.parametrize("version", [2, 3])
@@ -79,15 +79,15 @@ def ready(fmu):
 def test_another_program_finds_no_fault_in_it(version, model, tmp_path):
     car = replace(SEDAN.table.vehicle, name='<"&\'> \x07 "/* ü')
     odd = replace(SEDAN, name='a & "b", <b>', table=replace(SEDAN.table, vehicle=car))
-    path, about = written(tmp_path / "car.fmu", odd, version, model)
+    path, parsed = written(tmp_path / "car.fmu", odd, version, model)
     again, _ = written(tmp_path / "again.fmu", odd, version, model)
     assert path.read_bytes() == again.read_bytes()
     assert validate_fmu(str(path)) == []
-    assert odd.id in about.description
+    assert odd.id in parsed.description
     assert odd.digest.encode() in path.read_bytes()
-    assert about.modelName == f'<"&\'>   "/* ü, {model}'
-    assert about.coSimulation.canHandleVariableCommunicationStepSize is False
-    units = {x.name: x.unit for x in about.modelVariables}
+    assert parsed.modelName == f'<"&\'>   "/* ü, {model}'
+    assert parsed.coSimulation.canHandleVariableCommunicationStepSize is False
+    units = {x.name: x.unit for x in parsed.modelVariables}
     assert (units["p_mc"], units["brake_torque_fl"], units["reason"]) == ("Pa", "N.m", None)
 
 
@@ -99,10 +99,10 @@ def test_the_car_gives_the_numbers_of_a_simulation(fmus, pressure, v0, drive):
     torque = {name[-1]: column for name, column in drive.items()}
     log = simulate(simulated(SEDAN.table), TIME, pressure, v0, drive_torque=torque)
     inputs = {"p_mc": pressure, **drive}
-    told = run(fmus["car"], {name: column[1:] for name, column in inputs.items()}, v0=v0)
-    assert np.array_equal(told["reason"] != 0, np.arange(TIME.size) >= log.time.size)
+    outputs = run(fmus["car"], {name: column[1:] for name, column in inputs.items()}, v0=v0)
+    assert np.array_equal(outputs["reason"] != 0, np.arange(TIME.size) >= log.time.size)
     for name in ("a_x", "omega_fl", "omega_fr", "omega_rl", "omega_rr", "v"):
-        np.testing.assert_allclose(told[name][: log.time.size], log[name], rtol=1e-8, atol=1e-8)
+        np.testing.assert_allclose(outputs[name][: log.time.size], log[name], rtol=1e-8, atol=1e-8)
 
 
 def test_an_estimator_behind_the_car_has_the_numbers_of_python_and_finds_its_pads(fmus):
@@ -111,28 +111,28 @@ def test_an_estimator_behind_the_car_has_the_numbers_of_python_and_finds_its_pad
     car = run(fmus["car"], inputs, **true)[1:]
     inputs |= {name: car[name] for name in car.dtype.names if name in CHANNELS}
     samples = np.stack([inputs.get(name, np.zeros(700)) for name in CHANNELS], axis=1)
-    told = run(fmus["estimator"], inputs)[1:]
+    outputs = run(fmus["estimator"], inputs)[1:]
     names = ("reason", *(f"{x}{end}" for x in ANSWERS for end in ("", "_lower", "_upper")))
-    answers = np.stack([told[name] for name in names], axis=1)
+    answers = np.stack([outputs[name] for name in names], axis=1)
     expected = answered(SEDAN.table, STEP, samples)
     np.testing.assert_allclose(answers, expected, rtol=1e-9, atol=1e-9)
-    assert told["reason"][-1] == 0
+    assert outputs["reason"][-1] == 0
     for name, value in (true | {"brake_torque_rr": car["brake_torque_rr"][-1]}).items():
-        assert told[f"{name}_lower"][-1] < value < told[f"{name}_upper"][-1]
-        assert told[name][-1] == pytest.approx(value, rel=0.05)
+        assert outputs[f"{name}_lower"][-1] < value < outputs[f"{name}_upper"][-1]
+        assert outputs[name][-1] == pytest.approx(value, rel=0.05)
 
 
 def test_a_long_step_is_several_with_the_inputs_held_and_instances_do_not_share(fmus):
-    one, other, idle = (ready(fmus["estimator"]) for _ in range(3))
+    instance, other, idle = (ready(fmus["estimator"]) for _ in range(3))
     untouched = idle.getFloat64(REALS)
-    for x in (one, other):
+    for x in (instance, other):
         x.setFloat64(INPUTS, ROLLING)
-    one.doStep(0.0, 60 * STEP)
+    instance.doStep(0.0, 60 * STEP)
     for k in range(60):
         other.doStep(k * STEP, STEP)
-    assert one.getFloat64(REALS) == other.getFloat64(REALS) != untouched
-    one.reset()
-    assert one.getFloat64(REALS) == idle.getFloat64(REALS) == untouched
+    assert instance.getFloat64(REALS) == other.getFloat64(REALS) != untouched
+    instance.reset()
+    assert instance.getFloat64(REALS) == idle.getFloat64(REALS) == untouched
 
 
 def test_other_steps_and_unknown_references_are_refused_and_change_nothing(fmus):
@@ -154,19 +154,20 @@ def test_other_steps_and_unknown_references_are_refused_and_change_nothing(fmus)
 
 @pytest.mark.parametrize("model", ["estimator", "car"])
 def test_a_state_is_taken_up_again_and_carried_to_another_instance(fmus, model):
-    one, other = ready(fmus[model]), ready(fmus[model])
+    instance, other = ready(fmus[model]), ready(fmus[model])
     inputs = ROLLING if model == "estimator" else [2e6, 0.0, 0.0]
-    told = [x.valueReference for x in fmus[model][1].modelVariables if x.causality == "output"][:-1]
-    one.setFloat64([*range(len(inputs))], inputs)
-    one.doStep(0.0, 40 * STEP)
-    kept, then = one.getFMUState(), one.getFloat64(told)
-    one.doStep(40 * STEP, 40 * STEP)
-    later = one.getFloat64(told)
-    one.setFMUState(kept)
-    carried = other.deserializeFMUState(one.serializeFMUState(kept))
+    variables = fmus[model][1].modelVariables
+    outputs = [x.valueReference for x in variables if x.causality == "output"][:-1]
+    instance.setFloat64([*range(len(inputs))], inputs)
+    instance.doStep(0.0, 40 * STEP)
+    saved, at_save = instance.getFMUState(), instance.getFloat64(outputs)
+    instance.doStep(40 * STEP, 40 * STEP)
+    later = instance.getFloat64(outputs)
+    instance.setFMUState(saved)
+    carried = other.deserializeFMUState(instance.serializeFMUState(saved))
     other.setFMUState(carried)
-    for x, state in ((one, kept), (other, carried)):
-        assert x.getFloat64(told) == then != later
+    for x, state in ((instance, saved), (other, carried)):
+        assert x.getFloat64(outputs) == at_save != later
         x.doStep(40 * STEP, 40 * STEP)
-        assert x.getFloat64(told) == later
+        assert x.getFloat64(outputs) == later
         x.freeFMUState(state)

@@ -86,12 +86,12 @@ def test_c_equals_python_while_sensors_fail_at_random(seed, drive_on, both):
 def test_sample_by_sample_the_answers_are_those_of_the_whole_log(seed, drive_on, fitted):
     estimator, samples = online(fitted, STEP), drive_on[:1500]
     samples = samples if seed is None else failing(samples, seed)
-    told = np.array(
+    answers = np.array(
         [[*estimator.step(dict(zip(CHANNELS, x, strict=True))).values()] for x in samples]
     )
     expected = answered(fitted, STEP, samples)
-    assert np.array_equal(told[:, REASON], expected[:, REASON])
-    assert told == pytest.approx(expected, rel=1e-9)
+    assert np.array_equal(answers[:, REASON], expected[:, REASON])
+    assert answers == pytest.approx(expected, rel=1e-9)
 
 
 TIME = STEP * np.arange(2001)
@@ -100,7 +100,7 @@ ROWS = {
     "calls that come late or twice": np.delete(np.sort(np.r_[0:2001, 36:2001:37]), np.s_[29::30]),
     "a long coast": np.r_[np.tile(np.r_[0:580], 10), 0:2001],
 }
-"""Samples of `drive_on` that come, in their order; where nothing is told all of them once."""
+"""Samples of `drive_on` in their order; a case without a row here has all of them once."""
 FAILS = [
     (-1, 1, slice(6), np.nan), (1.999, 2.001, FL, 0), (3.4, 3.8, OMEGA, np.nan),
     (3.999, 4.001, A_X, -29.9), (4.1, 4.3, A_X, np.nan), (4.3, 4.5, A_X, 99.0),
@@ -142,7 +142,7 @@ LIFE = {
         [(-1, 4.001, OMEGA, 0), (4, 99, OMEGA, -5), (2, 99, A_X, -1)], [(3.3, 5, {Reason.SLOW})],
     ),
 }  # fmt: skip
-"""Such readings, and the reasons that are told between two times."""
+"""Such readings, and the reasons between two times."""
 SPOILT = {*list(LIFE)[-9:]} - {x for x in LIFE if x.startswith("a motor")}
 """Of which nothing is known at the end of the first stop."""
 
@@ -153,34 +153,34 @@ def test_whatever_happens_a_valid_answer_has_the_pads_in_its_bounds(what, drive_
     for begin, end, channels, value in readings:
         at = (begin < TIME) & (end > TIME)
         x[at, channels] = value(x[at, channels]) if callable(value) else value
-    time, x, told = TIME[rows], x[rows], both(x[rows])
+    time, x, answers = TIME[rows], x[rows], both(x[rows])
     for begin, end, reasons in expected:
-        found = told[(time > begin) & (time < end)]
-        assert found.size
-        assert {*found[:, REASON]} <= reasons
+        within = answers[(time > begin) & (time < end)]
+        assert within.size
+        assert {*within[:, REASON]} <= reasons
         if reasons == FAULT:  # the pads stay
-            assert found[:, FRONT] == pytest.approx(found[0, FRONT], rel=0.02)
+            assert within[:, FRONT] == pytest.approx(within[0, FRONT], rel=0.02)
     for first, last, true in ((3.0, 5.0, 0.38), (7.5, 10.0, 0.25)):
-        valid = told[(told[:, REASON] == Reason.VALID) & (time > first) & (time < last)]
+        valid = answers[(answers[:, REASON] == Reason.VALID) & (time > first) & (time < last)]
         for place in (FRONT, REAR):
             inside = (valid[:, place + 1] < true) & (valid[:, place + 2] > true)
             assert not inside.size or np.mean(inside) > 0.95
         if what in SPOILT:
             break
         i = np.argmax(time > last - 0.1 - 0.5 * (last > 9.0))
-        assert told[i, REASON] == Reason.VALID
-        assert told[i, FRONT] == pytest.approx(true, rel=0.05)
+        assert answers[i, REASON] == Reason.VALID
+        assert answers[i, FRONT] == pytest.approx(true, rel=0.05)
         torque = CAR.front.torque_gain * true * x[i, P_MC]
-        assert told[i, TORQUE_F] == pytest.approx(torque, rel=0.06)
+        assert answers[i, TORQUE_F] == pytest.approx(torque, rel=0.06)
 
 
 @pytest.mark.parametrize("step", [-1.0, 0.5, 3.0])
 def test_an_a_x_that_jumps_in_a_stop_is_not_believed(step, drive_on, both):
     x = drive_on.copy()
     x[(TIME > 4.0) & (TIME < 4.7), A_X] += step
-    told = both(x)
-    assert {*told[(TIME > 4.5) & (TIME < 4.7), REASON]} == IMPLAUSIBLE
-    later = told[(TIME > 7.9) & (TIME < 9.9)]
+    answers = both(x)
+    assert {*answers[(TIME > 4.5) & (TIME < 4.7), REASON]} == IMPLAUSIBLE
+    later = answers[(TIME > 7.9) & (TIME < 9.9)]
     assert {*later[:, REASON]} == {Reason.VALID}
     assert np.mean((later[:, FRONT + 1] < 0.25) & (later[:, FRONT + 2] > 0.25)) > 0.95
 
@@ -193,10 +193,10 @@ def test_a_zero_of_a_x_that_moves_as_a_motor_lets_go_is_not_believed_in_the_next
     log = noisy(as_log(run), 3)
     x = samples_of(log)
     x[log.time > 4.0, A_X] += step
-    told = both(x)[log.time > 7.5]
-    told = told[told[:, REASON] == Reason.VALID]
+    answers = both(x)[log.time > 7.5]
+    answers = answers[answers[:, REASON] == Reason.VALID]
     for place in (FRONT, REAR):
-        assert np.all((told[:, place + 1] < 0.38) & (told[:, place + 2] > 0.38))
+        assert np.all((answers[:, place + 1] < 0.38) & (answers[:, place + 2] > 0.38))
 
 
 def test_a_reset_while_braking_has_wider_bounds(drive_on, both):
@@ -267,9 +267,9 @@ def test_the_verdict_is_that_of_the_code(fitted, wet, how, near):
     for name in ("ecu_pad_friction_f", "ecu_pad_friction_r", "ecu_valid_share"):
         assert code.figures[name] == pytest.approx(own.figures[name], rel=near)
     if how == Precision():
-        told, expected = code.estimate.ecu, own.estimate.ecu
-        assert np.array_equal(told.step.reason, expected.step.reason)
-        assert np.array(told.torque_r) == pytest.approx(np.array(expected.torque_r), rel=1e-9)
+        answers, expected = code.estimate.ecu, own.estimate.ecu
+        assert np.array_equal(answers.step.reason, expected.step.reason)
+        assert np.array(answers.torque_r) == pytest.approx(np.array(expected.torque_r), rel=1e-9)
 
 
 def test_what_cannot_be_coded_or_compiled_is_refused(fitted, monkeypatch):

@@ -51,7 +51,7 @@ def test_bytes_at_the_addresses_decode_to_the_table(real, tmp_path, bits):
         "MODULE"
     )
     found = decoded(module, memory_of(elf))
-    truth = {one.label: one.values for one in data.objects}
+    truth = {constant.label: constant.values for constant in data.objects}
     assert found.keys() == truth.keys()
     for name, values in truth.items():
         if bits is None:
@@ -101,5 +101,5 @@ def test_a_name_full_of_traps_is_read(stored, tmp_path, name):
 
 def test_a_name_too_long_for_a_text_is_refused(stored):
     data = built(replace(stored, name="a" * 200))
-    says = refusal(FORMATS["a2l"].write, data, kind=ExchangeError, names="aaaa")
-    assert "at most 255" in says
+    message = refusal(FORMATS["a2l"].write, data, kind=ExchangeError, names="aaaa")
+    assert "at most 255" in message

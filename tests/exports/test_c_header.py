@@ -39,11 +39,11 @@ def shown(data):
     """C code that prints every number of the header, as its integers stand for in fixed point."""
     value = "{0}_origin + {0}_step * (double){1}" if data.bits else "{1}"
     lines = []
-    for one in data.objects:
-        first = "[0]" * len(one.axes) or ("[0]" if one in data.axes else "")
-        at = value.format(one.label, f"(&{one.label}{first})[i]")
-        text = f'printf("{one.label} %.17g\\n", {at});'
-        lines.append(f"for (unsigned i = 0U; i < {len(one.values)}U; i++) {{ {text} }}")
+    for constant in data.objects:
+        first = "[0]" * len(constant.axes) or ("[0]" if constant in data.axes else "")
+        at = value.format(constant.label, f"(&{constant.label}{first})[i]")
+        text = f'printf("{constant.label} %.17g\\n", {at});'
+        lines.append(f"for (unsigned i = 0U; i < {len(constant.values)}U; i++) {{ {text} }}")
     return "\n".join(lines)
 
 
@@ -51,21 +51,22 @@ def shown(data):
 @pytest.mark.parametrize(("points", "width"), [(None, None), (8, 8), (8, 16), (8, 32)])
 def test_a_compiler_sees_the_table(real, tmp_path, points, width):
     """To the last bit in double; in fixed point it errs by what the comment says."""
-    data, seen = build(real, points, bits=width), {}
+    data, by_label = build(real, points, bits=width), {}
     for line in printed(tmp_path, data, shown(data)).splitlines():
-        seen.setdefault(line.split()[0], []).append(float(line.split()[1]))
+        by_label.setdefault(line.split()[0], []).append(float(line.split()[1]))
     text = FORMATS["c-header"].write(data).decode()
-    assert seen.keys() == {one.label for one in data.objects}
-    for one in data.objects:
-        error = np.abs(np.array(seen[one.label]) - one.values).max()
+    assert by_label.keys() == {constant.label for constant in data.objects}
+    for constant in data.objects:
+        error = np.abs(np.array(by_label[constant.label]) - constant.values).max()
         if width is None:
-            assert [v.hex() for v in seen[one.label]] == [v.hex() for v in one.numbers]
+            expected = [v.hex() for v in constant.numbers]
+            assert [v.hex() for v in by_label[constant.label]] == expected
         else:
-            says = re.search(
-                rf"at most (\S+) \*/\nextern const int(?:{width}|16)_t {one.label}\b", text
+            comment = re.search(
+                rf"at most (\S+) \*/\nextern const int(?:{width}|16)_t {constant.label}\b", text
             )
-            assert error <= float(says[1]) * 1.01 + 1e-17
-    assert np.all(np.diff(seen[f"{data.prefix}_eta"]) > 0)
+            assert error <= float(comment[1]) * 1.01 + 1e-17
+    assert np.all(np.diff(by_label[f"{data.prefix}_eta"]) > 0)
 
 
 @needs_compiler

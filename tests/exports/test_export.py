@@ -59,7 +59,7 @@ def test_an_effect_that_no_ecu_senses_is_refused_until_it_is_named(stored, tmp_p
 
 def test_a_name_of_no_such_effect_is_refused(stored, tmp_path):
     lags = with_effects(stored, {"hydraulic_lag": {"time_constant": 0.1}})
-    for of, name in ((stored, "pad_thermal_fade"), (lags, "hydraulic_lag")):
+    for version, name in ((stored, "pad_thermal_fade"), (lags, "hydraulic_lag")):
         with pytest.raises(ExchangeError, match=name):
-            export(of, tmp_path / "car.dcm", without_effects=[name])
+            export(version, tmp_path / "car.dcm", without_effects=[name])
     assert export(lags, tmp_path / "car.dcm").path.exists()

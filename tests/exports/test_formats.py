@@ -50,8 +50,8 @@ def dcm_reader(content, folder):
 
 
 def from_dcm(data, folder):
-    seen = dcm_reader(FORMATS["dcm"].write(data), folder)
-    return seen["curves"], seen["scalars"]
+    read = dcm_reader(FORMATS["dcm"].write(data), folder)
+    return read["curves"], read["scalars"]
 
 
 def from_json(data, folder):
@@ -132,10 +132,10 @@ def test_another_reader_sees_the_table_to_the_last_bit(real, tmp_path, form, poi
     }
     assert curves.keys() == {f"{data.prefix}_{name}" for name in truth}
     for name, (x, y) in truth.items():
-        seen = curves[f"{data.prefix}_{name}"]
-        kept = np.isin(x, seen[0])
+        read = curves[f"{data.prefix}_{name}"]
+        kept = np.isin(x, read[0])
         assert kept.sum() == (points or len(x))
-        assert bits(seen) == bits((x[kept], y[kept]))
+        assert bits(read) == bits((x[kept], y[kept]))
     car, gain = t.vehicle, 2 * t.vehicle.front.piston_area * t.vehicle.front.effective_radius
     assert scalars[f"{data.prefix}_mass"] == [car.mass, "kg"]
     assert scalars[f"{data.prefix}_C_f"] == [pytest.approx(gain), "m^3"]
@@ -173,9 +173,9 @@ def test_no_text_of_a_csv_can_be_taken_for_a_number(stored):
 
 
 def test_a_dcm_names_the_axis_of_each_curve_and_its_function(stored, tmp_path):
-    seen = dcm_reader(FORMATS["dcm"].write(built(stored)), tmp_path)
-    assert seen["axes"]["sedan_D"] == seen["axes"]["sedan_f1"] == "sedan_eta"
-    assert seen["functions"] == [["sedan_brake_torque", "1", "sedan@1"]]
+    read = dcm_reader(FORMATS["dcm"].write(built(stored)), tmp_path)
+    assert read["axes"]["sedan_D"] == read["axes"]["sedan_f1"] == "sedan_eta"
+    assert read["functions"] == [["sedan_brake_torque", "1", "sedan@1"]]
 
 
 ORDER = {

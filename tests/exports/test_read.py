@@ -150,11 +150,11 @@ def test_what_a_tool_has_rounded_is_told_from_a_change(tmp_path, form, way):
     real = Store(TABLES).load("sedan-2up")
     data = built(real, form, 8)
     found = saved_again(tmp_path / "a", data, form, way)
-    told = difference(found, real)
+    result = difference(found, real)
     assert found.unchanged is None
     assert parent(found, Store(real.path.parents[1])).id == real.id
-    assert (told.wrong, bool(told.rounded)) == ([], True)
-    values = {one.label: one.values for one in data.objects}
+    assert (result.wrong, bool(result.rounded)) == ([], True)
+    values = {x.label: x.values for x in data.objects}
     changes = {"f1": 1.01, "g": 0.9, "mass": 1.002}
 
     def changed(text):
@@ -164,7 +164,7 @@ def test_what_a_tool_has_rounded_is_told_from_a_change(tmp_path, form, way):
         return text
 
     wrong = difference(saved_again(tmp_path / "a", data, form, way, changed), real).wrong
-    assert {re.match(rf"{data.prefix}_(\w+)", one)[1] for one in wrong} == changes.keys()
+    assert {re.match(rf"{data.prefix}_(\w+)", flaw)[1] for flaw in wrong} == changes.keys()
 
 
 def test_the_labels_name_a_table_of_the_store(stored, store, tmp_path):

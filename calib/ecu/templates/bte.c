@@ -277,26 +277,26 @@ static void take_block(bte_state *state, const bte_block *x) {
     step_filters(c, &state->filters, x, counts);
     const bte_filters *s = &state->filters;
     const bool is_new = s->means.blocks == R(0.0);
-    const bte_real z = is_new ? c->usual_z : s->mean_z, shifted = s->means.shift / z;
-    bte_real point[BTE_MAP_AXES] = {z, shifted, R(0.0)}, by_map[BTE_COLUMNS];
+    const bte_real z = is_new ? c->usual_z : s->mean_z, eta_by_z = s->means.shift / z;
+    bte_real point[BTE_MAP_AXES] = {z, eta_by_z, R(0.0)}, by_map[BTE_COLUMNS];
     look_up(&car->slip, point, 2U, by_map);
     bte_real level[ENDS], ratio[ENDS], prior[ENDS];
     look_up(&car->level, point, BTE_COLUMNS, level);
     const bte_slip_evidence w = slip_evidence(c, s, z, by_map[0], by_map[1]);
-    const bte_real wider = Z95 * MATH(sqrt)(w.noise + w.accelerometer);
-    widen(level, logarithm(w.pads * w.scaled), wider, wider);
-    /* ratio */
+    const bte_real more = Z95 * MATH(sqrt)(w.noise + w.accelerometer);
+    widen(level, logarithm(w.pads * w.scaled), more, more);
+    /* the ratio of the pads: read at eta, blended with the prior, then with the held ratio */
     const bte_axis *shifts = &car->pads.axis[BTE_SHIFT];
-    const bool of_map = shifted >= shifts->x[0] && shifted <= shifts->x[shifts->count - 1U];
+    const bool of_map = eta_by_z >= shifts->x[0] && eta_by_z <= shifts->x[shifts->count - 1U];
     point[BTE_SLIP] = w.slip;
     const bte_real error[BTE_MAP_AXES] = {R(0.0), eta_error(c, s, z) / z, w.slip_sigma};
     read_ratio(car, point, error, ratio);
     look_up(&car->prior, point, BTE_COLUMNS, prior);
-    const bte_real unread = (ratio[UPPER] - ratio[LOWER]) / (prior[UPPER] - prior[LOWER]);
-    const bool reads = !is_new && of_map && z >= c->least_z;
-    const bte_real read = reads ? share_of(c, unread, R(1.0)) : R(0.0);
-    blend(ratio, prior, R(1.0) - read);
-    const bte_real of_prior = R(1.0) + read * (unread - R(1.0));
+    const bte_real narrowed = (ratio[UPPER] - ratio[LOWER]) / (prior[UPPER] - prior[LOWER]);
+    const bool readable = !is_new && of_map && z >= c->least_z;
+    const bte_real share = readable ? share_of(c, narrowed, R(1.0)) : R(0.0);
+    blend(ratio, prior, R(1.0) - share);
+    const bte_real of_prior = R(1.0) + share * (narrowed - R(1.0));
     widen(ratio, square(of_prior) * (c->ramp_ratio - prior[MEDIAN]), R(0.0), R(0.0));
     best_ratio(state, ratio, w.pads, is_new, counts && x->pressure > c->bite);
     answer_pads(state, level, ratio);
@@ -306,7 +306,7 @@ static void take_block(bte_state *state, const bte_block *x) {
     state->seal = seal_of(state);
 }
 
-/* Slip of an axle by the tyre curve, by force and load over the weight of the car. */
+/* Return the slip of an axle by force and load over the weight of the car, by the tyre curve. */
 static bte_real slip_at(const bte_car *car, bte_real force, bte_real load) {
     const place at = find(&car->tyre, force / largest(load, R(0.1)));
     const bte_real low = car->tyre_slip[at.cell], high = car->tyre_slip[at.cell + 1U];
@@ -356,24 +356,25 @@ static bte_reason disturbance(bte_state *s, bool fine) {
             past[1] = omega[w];
         }
         const bte_real low = smallest(past[0], past[1]), high = largest(past[0], past[1]);
-        const bte_real middle = clip(omega[w], low, high);
+        const bte_real median = clip(omega[w], low, high); /* of three samples */
         past[0] = past[1];
         past[1] = omega[w];
-        fastest = largest(fastest, middle);
-        slowest = smallest(slowest, middle);
+        fastest = largest(fastest, median);
+        slowest = smallest(slowest, median);
     }
     const bte_real mean = R(0.5) * (x->omega_rl + x->omega_rr);
     const bte_real speed = c->rolling_radius[BTE_REAR] * mean, z = -x->a_x / GRAVITY;
     s->fastest = fastest;
-    const bte_real apart_by = c->lock * largest(fastest, R(1.0));
-    const bool locks = fastest - slowest > apart_by && fastest > c->turning;
+    const bool is_slow = fastest - slowest > c->lock * largest(fastest, R(1.0));
+    const bool locks = is_slow && fastest > c->turning;
     s->since_lock = locks ? R(0.0) : s->since_lock + c->sample_time;
     s->since_abs = x->abs_active > R(0.5) ? R(0.0) : s->since_abs + c->sample_time;
+    /* apart = lateral (track_width/speed^2 + leaning slip), see calib/run/lateral.py */
     const bte_real apart = (x->omega_rr - x->omega_rl) / largest(mean, R(1.0));
     const bte_real slip = largest(slip_at(s->car, z, R(1.0)), R(0.0));
-    const bte_real geometric = c->track_width / square(largest(speed, c->moving));
-    const bte_real turned = apart / (geometric + c->leaning * slip);
-    s->lateral = s->started ? s->lateral + c->lateral_part * (turned - s->lateral) : turned;
+    const bte_real by_bend = c->track_width / square(largest(speed, c->moving));
+    const bte_real lateral = apart / (by_bend + c->leaning * slip);
+    s->lateral = s->started ? s->lateral + c->lateral_part * (lateral - s->lateral) : lateral;
     bte_reason why;
     if (!fine) {
         why = BTE_FAULT;
