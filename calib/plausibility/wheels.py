@@ -120,6 +120,9 @@ def a_x_follows(evidence: Evidence) -> Iterator[Measured]:
     """Size of the correlation of a_x with the wheels' deceleration before any slips deeply [1]."""
     driving, slipping = evidence.run.driving, evidence.run.slipping
     use = driving.moving & (driving.time < (slipping.first if slipping else np.inf))
+    for start, length in evidence.run.clock.gaps:  # means across a gap are of neither side
+        middle, reach = start + 0.5 * length, 0.5 * length + LIMITS.slope_time
+        use &= np.abs(driving.time - middle) > reach
     width = samples_in(LIMITS.slope_time, driving.step) | 1
     z, wheel_z = (centred_mean(x, width)[use] for x in (driving.z, driving.wheel_z))
     if z.size > 1 and np.ptp(wheel_z) > _SLOWED and np.ptp(z) > 0.0:
