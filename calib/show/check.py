@@ -11,25 +11,25 @@ _WORDS = {"coast": "fit as a coast log"}
 
 
 def check_facts(findings: Sequence[Findings]) -> Facts:
-    """Return a line for each log, a part with what the log holds, and what to do with one log."""
+    """Return a line for each log, a part with its content, and what to do with a single log."""
     warnings = findings[0].warnings if len(findings) == 1 else ()
     return Facts(
-        notes=[line(one) for one in findings],
+        notes=[line(log) for log in findings],
         next=warnings[0].do if warnings else "",
-        parts=[Facts(title=one.run.log.source, rows=_rows(one)) for one in findings],
+        parts=[Facts(title=log.run.log.source, rows=_rows(log)) for log in findings],
     )
 
 
 def line(findings: Findings) -> str:
     """Return the verdict on a log, why it makes no table, and the titles of its warnings."""
     why, titles = _why(findings), dict.fromkeys(warning.title for warning in findings.warnings)
-    parts = [why] if why else []
+    texts = [why] if why else []
     if titles:
-        parts.append(f"{counted(len(titles), 'warning')}: {', '.join(titles)}")
+        texts.append(f"{counted(len(titles), 'warning')}: {', '.join(titles)}")
     usable = [verdict.purpose for verdict in findings.verdicts if verdict.usable]
     purposes = [_WORDS.get(purpose, purpose) for purpose in usable]
     verdict = f"usable for {', '.join(purposes)}" if purposes else "not usable"
-    return "; ".join([f"{verdict}: {findings.run.log.source}", *parts])
+    return "; ".join([f"{verdict}: {findings.run.log.source}", *texts])
 
 
 def _why(findings: Findings) -> str:

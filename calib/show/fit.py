@@ -83,7 +83,7 @@ def document(fitted: Fitted) -> dict[str, object]:
         "answer": usability(stored),
         "calibration": table.calibration,
         "budget": by_axle(table.budget.axles),
-        "unseen": [one._asdict() for one in _unseen(fitted)],
+        "unseen": [entry._asdict() for entry in _unseen(fitted)],
         "effects": table.effect_values,
         "quality": table.quality,
         "remarks": table.remarks,

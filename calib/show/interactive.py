@@ -119,8 +119,8 @@ class _Drawing:
         others = [glyph for glyph in fig.renderers if glyph not in bands]
         fig.renderers = [*reversed(bands), *others]  # the band of the first line is on top
         for text, x, y in panel.texts:
-            is_right = panel.xlim is not None and x > np.mean(panel.xlim)
-            side = {"text_align": "right", "x_offset": -5} if is_right else {}
+            is_left = panel.xlim is not None and x > np.mean(panel.xlim)
+            side = {"text_align": "right", "x_offset": -5} if is_left else {}
             fig.text([x], [y], [_plain(text)], **_TEXT | side)
         for axis in fig.axis:
             axis.update(minor_tick_line_color=None, axis_label_text_font_style="normal")

@@ -114,7 +114,7 @@ class Field:
 
     @property
     def scale(self) -> tuple[str, float, float]:
-        """Name of the colours in matplotlib, and the values of the first and the last one."""
+        """Name of the colours in matplotlib, and the values of the first and the last colour."""
         low, high = np.nanquantile(self.values, [0.02, 0.98])  # a few outliers keep the end colour
         if self.middle is None:
             return "viridis_r", low, high
@@ -129,8 +129,8 @@ class Field:
         look: Stroke = {"aspect": "auto", "origin": "lower", "interpolation": "none", "zorder": 0}
         image = ax.imshow(self.values, cmap, vmin=low, vmax=high, extent=self.ends, **look)
         ticks = MaxNLocator(6)  # their number, and so their width, is the same at every height
-        beside = ax.inset_axes((1.02, 0.0, 0.035, 1.0))
-        scale = ax.figure.colorbar(image, cax=beside, ticks=ticks, extend="both")
+        scale_axes = ax.inset_axes((1.02, 0.0, 0.035, 1.0))
+        scale = ax.figure.colorbar(image, cax=scale_axes, ticks=ticks, extend="both")
         if scale.solids is not None:
             scale.solids.set(rasterized=True)
 
@@ -178,12 +178,12 @@ class Panel:
             line.draw_band(ax, parts)
         for mark in self.marks:
             mark.draw(ax)
-        for text, *point in self.texts:
-            # in the right half of the axis there is room on the left of the point
-            is_left = self.xlim is not None and point[0] > np.mean(self.xlim)
-            shift: dict[str, Any] = {"xytext": (-4.0 if is_left else 4.0, -9.5), "fontsize": 7.0}
-            side = "right" if is_left else "left"
-            ax.annotate(text, (point[0], point[1]), textcoords="offset points", ha=side, **shift)
+        for text, x, y in self.texts:
+            # a text is on the left of a point in the right half of the axis
+            is_left = self.xlim is not None and x > np.mean(self.xlim)
+            side, shift = ("right", -4.0) if is_left else ("left", 4.0)
+            place: dict[str, Any] = {"xytext": (shift, -9.5), "textcoords": "offset points"}
+            ax.annotate(text, (x, y), ha=side, fontsize=7.0, **place)
         ax.set(xlabel=self.x, ylabel=self.y)
         for ends, set_ends in ((self.xlim, ax.set_xlim), (self.y_ends, ax.set_ylim)):
             if ends is not None:

@@ -66,7 +66,7 @@ def _shares(result: GaugeResult) -> tuple[str, ...]:
 
 def _deviations(result: GaugeResult) -> tuple[str, ...]:
     components, shown = result.gauge.components if result.gauge else {}, metric_of(result.name)
-    deviations = {name: f"{shown.factor * one.sd:.3g}" for name, one in components.items()}
+    deviations = {name: f"{shown.factor * x.sd:.3g}" for name, x in components.items()}
     return shown.heading, *(deviations.get(name, "") for name in _CAUSES)
 
 

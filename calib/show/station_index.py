@@ -11,16 +11,9 @@ import numpy as np
 
 from calib.base.plain import counted, metric_of
 from calib.base.write import write_whole
+from calib.line.station import index
 from calib.line.station.files import REPORT
-from calib.line.station.index import (
-    INDEX,
-    LIVE,
-    NO_VERDICT,
-    TRENDS,
-    UNREADABLE,
-    IndexedRun,
-    runs_below,
-)
+from calib.line.station.index import IndexedRun, runs_below
 from calib.show.facts import FAILED, PASSED, WARNING, WORDS, Facts, Picture, Table
 from calib.show.html import page_of
 from calib.show.panel import Line, Panel
@@ -44,7 +37,7 @@ def write_index(folder: Path) -> int:
     Raises OSError if the folder cannot be read or written.
     """
     runs = runs_below(folder)
-    for name, every in ((INDEX, 0), (LIVE, _EVERY)):
+    for name, every in ((index.INDEX, 0), (index.LIVE, _EVERY)):
         page = page_of(index_facts(runs, folder.absolute().name, every), every)
         write_whole(folder / name, page.encode())
     return len(runs)
@@ -54,8 +47,8 @@ def index_facts(runs: Sequence[IndexedRun], name: str, every: int = 0) -> Facts:
     """Return the facts of the ``runs``, the last one first, which load again ``every`` [s] or 0."""
     last = runs[0] if runs else None
     counts = Counter(run.verdict for run in runs)
-    words = [w for w in (PASSED, WARNING, FAILED, NO_VERDICT, UNREADABLE) if counts[w]]
-    reloading, still = ("This page", INDEX) if every else (LIVE, "this page")
+    words = [w for w in (PASSED, WARNING, FAILED, index.NO_VERDICT, index.UNREADABLE) if counts[w]]
+    reloading, still = ("This page", index.INDEX) if every else (index.LIVE, "this page")
     ranks = (FAILED, WARNING, PASSED)  # of equal ones the last run is first
     shown = sorted(runs[:_LAST], key=lambda run: ranks.index(_verdict(run)))
     return Facts(
@@ -81,7 +74,7 @@ def _verdict(run: IndexedRun) -> str:
 
 def _trends(runs: Sequence[IndexedRun]) -> list[Picture]:
     """Return one picture of the metrics over the ``runs``, with limits; [] for fewer than two."""
-    panels = [panel for panel in (_trend(runs, key) for key in TRENDS) if panel]
+    panels = [panel for panel in (_trend(runs, key) for key in index.TRENDS) if panel]
     caption = f"Brakes and zero of the ramp, of the last {_DRAWN} cars at most; grey: the limits."
     return [Picture(caption, lambda: Sheet("trend", "trend", tuple(panels)))] if panels else []
 
@@ -125,7 +118,7 @@ def _table(runs: Sequence[IndexedRun], caption: str = "") -> Table:
         rows,
         caption,
         list(map(_verdict, runs)),
-        [quote(f"{r.place}/{REPORT}") if r.verdict != NO_VERDICT else "" for r in runs],
+        [quote(f"{r.place}/{REPORT}") if r.verdict != index.NO_VERDICT else "" for r in runs],
     )
 
 
@@ -135,9 +128,9 @@ def _heading(run: IndexedRun) -> str:
 
 def _why(run: IndexedRun) -> str:
     """Return the first broken limit of a run with its next step, and the number of others."""
-    if run.verdict == UNREADABLE:
+    if run.verdict == index.UNREADABLE:
         return "what the run wrote is damaged: run the car again"
-    if run.verdict == NO_VERDICT:
+    if run.verdict == index.NO_VERDICT:
         return run.refusal
     if run.why is None:
         return f"see the report: {counted(run.bad, 'warning')}" if run.bad else ""

@@ -11,16 +11,7 @@ from calib.estimation.limits import FAILED, WARNING
 from calib.estimation.results import fill, unseen_in
 from calib.estimation.results import to_dict as validation_dict
 from calib.exports.export import export
-from calib.line.station.files import (
-    DOCUMENT,
-    JUNIT,
-    REPORT,
-    export_name,
-    junit_xml,
-    to_dict,
-    to_text,
-    why_not_exported,
-)
+from calib.line.station import files
 from calib.line.station.station import TITLES, StationOutcome
 from calib.show.facts import WORDS, Facts, Picture, Row, Table
 from calib.show.html import page_of
@@ -131,16 +122,16 @@ def store_and_write(
     while True:
         stored = store.preview(outcome.table, outcome.decision("to be written"))
         fill(results, validation_dict(stored, results), work)
-        if not why_not_exported(stored):
+        if not files.why_not_exported(stored):
             for form in dict.fromkeys(forms):
-                export(stored, work / export_name(form), form)
-        write_whole(work / JUNIT, junit_xml(outcome, stored))
+                export(stored, work / files.export_name(form), form)
+        write_whole(work / files.JUNIT, files.junit_xml(outcome, stored))
         page = page_of(station_facts(StationRun(outcome, stored)), live=installed())
-        write_whole(work / REPORT, page.encode())
-        names = sorted(path.name for path in work.iterdir() if path.name != DOCUMENT)
-        document = to_dict(outcome, stored, names)
-        written = to_text(document).encode()
-        write_whole(work / DOCUMENT, written)
+        write_whole(work / files.REPORT, page.encode())
+        names = sorted(path.name for path in work.iterdir() if path.name != files.DOCUMENT)
+        document = files.to_dict(outcome, stored, names)
+        written = files.to_text(document).encode()
+        write_whole(work / files.DOCUMENT, written)
         expected = stored
         stored = store.save(outcome.table, outcome.decision(sha256(written)))
         if (stored.id, stored.state.word) == (expected.id, expected.state.word):

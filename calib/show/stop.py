@@ -28,7 +28,7 @@ from calib.show.panel import Line, Mark, Panel
 from calib.show.result import StoredResult
 from calib.show.sheet import Sheet
 from calib.show.style import Array, Mask, Stroke
-from calib.show.torque import ENDS, SIDES, Columns, errors, in_words, means, torques
+from calib.show.torque import ENDS, SIDES, Columns, errors, in_words, means, torques, valid_samples
 from calib.table.table import Table
 
 _STROKES = {"f": style.FRONT, "r": style.REAR}
@@ -114,13 +114,13 @@ def of_result(result: StoredResult) -> Sheet:
 
 def of_estimate(estimate: Estimate) -> Sheet:
     """Return the sheet of an estimate, which has no verdict."""
-    stop, name = _of_estimate(estimate, None), estimate.run.log.name
+    stop, name = _stop_of(estimate, None), estimate.run.log.name
     return _sheet("stop", name, stop, "", [], estimate.table)
 
 
 def of_validation(result: Validation, name: str = "", vehicle: Vehicle | None = None) -> Sheet:
     """Return the sheet of a stop of a table ``name``, beside the pads of ``vehicle`` or ramp."""
-    stop, table = _of_estimate(result.estimate, vehicle), result.estimate.table
+    stop, table = _stop_of(result.estimate, vehicle), result.estimate.table
     titles = warned(warning.title for warning in result.all_warnings)
     note = f"Table {name or table.name}, digest {table.digest[:16]}.{titles}"
     verdict = [word(result), *broken(result.judgements), *errors(result).in_words]
@@ -132,7 +132,7 @@ def torque_and_pads(result: Validation) -> Picture:
     """Return the picture of a page with brake torque and pad friction of a stop."""
 
     def draw() -> Sheet:
-        stop = _of_estimate(result.estimate, None)
+        stop = _stop_of(result.estimate, None)
         return Sheet("stop", result.log, (_torque_panel(stop), _pad_panel(stop)))
 
     return Picture(f"{result.log}: what the ECU makes of it; bands are 95 %.", draw)
@@ -143,29 +143,23 @@ def stops_on_map(results: Sequence[Validation]) -> Picture:
 
     def draw() -> Sheet:
         table = results[0].estimate.table
-        places = {result.log: _of_estimate(result.estimate, None).on_map for result in results}
+        places = {result.log: _stop_of(result.estimate, None).on_map for result in results}
         return Sheet("stops", table.name, map_panels(table, places)[:1])
 
     return Picture("Where the stops are on the map that the ECU looks up.", draw)
 
 
-def _of_estimate(e: Estimate, vehicle: Vehicle | None) -> _Stop:
+def _stop_of(e: Estimate, vehicle: Vehicle | None) -> _Stop:
     """Return an estimate as a stop, with the pads of ``vehicle``, or of the ramp for None."""
     ramp = e.table.calibration
     source, pads = "on the ramp", (ramp.pad_friction_f.value, ramp.pad_friction_r.value)
     if vehicle is not None:
         source, pads = "by the file", (vehicle.front.pad_friction, vehicle.rear.pad_friction)
-    valid = e.ecu.valid & (not e.unfit)
-    return _Stop(e.columns(), valid, source, pads, truth_of(e), e.slips)
+    return _Stop(e.columns(), valid_samples(e), source, pads, truth_of(e), e.slips)
 
 
 def _sheet(
-    kind: str,
-    name: str,
-    stop: _Stop,
-    note: str,
-    verdict: Sequence[str],
-    table: Table | None = None,
+    kind: str, name: str, stop: _Stop, note: str, verdict: Sequence[str], table: Table | None = None
 ) -> Sheet:
     """Return the sheet of a stop, with the map of the ``table``.
 
@@ -239,7 +233,7 @@ def _torque_panel(stop: _Stop) -> Panel:
 
 def _pad_panel(stop: _Stop) -> Panel:
     """Return the panel of the pads (Fig. 9): the ECU, the best estimate, before the stop, truth."""
-    lines, beside, shown = list[Line](), list[Line](), list[Array]()
+    lines, thin_lines, shown = list[Line](), list[Line](), list[Array]()
     for axle, look in _STROKES.items():
         pad, low, high = (stop.where_valid(f"ecu_pad_friction_{axle}{end}") for end in ENDS)
         thick, label = {**look, "linewidth": 1.8}, f"{AXLE_NAMES[axle]}, with 95 % band"
@@ -248,27 +242,29 @@ def _pad_panel(stop: _Stop) -> Panel:
         best = stop.where_valid(f"pad_friction_{axle}")
         if not np.array_equal(best, pad, equal_nan=True):
             thin = {**look, "linewidth": 0.9}
-            beside.append(Line(stop.time, best, thin, f"{AXLE_NAMES[axle]}, best estimate"))
+            thin_lines.append(Line(stop.time, best, thin, f"{AXLE_NAMES[axle]}, best estimate"))
     for (axle, look), mu in zip(_STROKES.items(), stop.pads, strict=False):
         label = f"{AXLE_NAMES[axle]} {stop.source}, {mu:.3f}"
         thin = {**_BEFORE, "color": look["color"]}
-        beside.append(Line(stop.time[[0, -1]], [mu, mu], thin, label))
+        thin_lines.append(Line(stop.time[[0, -1]], [mu, mu], thin, label))
         shown.append(np.full(stop.time.size, mu))
     for i, mu in enumerate(stop.truth.pad_friction if stop.truth else ()):
         true = style.smooth(stop.time, mu)
-        beside.append(Line(stop.time, true, style.TRUTH, "" if i else "truth"))
+        thin_lines.append(Line(stop.time, true, style.TRUTH, "" if i else "truth"))
         shown.append(true)
     labels = "pads", "Pad friction", "pad friction [1]"
-    return _panel(stop, labels, [*lines, *beside], shown)
+    return _panel(stop, labels, [*lines, *thin_lines], shown)
 
 
 def _force_panel(stop: _Stop) -> Panel:
     """Return the panel of the normalised forces of the axles, with the deceleration."""
-    strokes = {"normalised_force_f": style.FRONT, "normalised_force_r": style.REAR, "z": style.BODY}
-    names = (*AXLE_NAMES.values(), "deceleration over g")
     lines = [
-        Line(stop.time, stop.columns[key], look, name, mean=style.MEAN)
-        for (key, look), name in zip(strokes.items(), names, strict=True)
+        Line(stop.time, stop.columns[key], look, label, mean=style.MEAN)
+        for key, look, label in (
+            ("normalised_force_f", style.FRONT, "front"),
+            ("normalised_force_r", style.REAR, "rear"),
+            ("z", style.BODY, "deceleration over g"),
+        )
     ]
     labels = "normalised-forces", "Force over load, best estimate", "force over load [1]"
     return _panel(stop, labels, lines, [line.shown for line in lines])

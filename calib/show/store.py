@@ -113,9 +113,9 @@ def history(entries: Sequence[dict[str, Any]]) -> Facts:
         event, id_ = entry["state"], f"{entry['table']}@{entry['version']}"
         if entry["event"] not in ("stored", "changed"):
             event = f"{entry['event']}, {event}"
-        proof = [f"{one['name']} {one['sha256'][:12]}" for one in entry["evidence"]]
-        proof += [f"key {entry['key']}"] if entry["key"] else []
-        rows.append((entry["at"], id_, event, entry["by"], entry["reason"], "; ".join(proof)))
+        evidence = [f"{file['name']} {file['sha256'][:12]}" for file in entry["evidence"]]
+        evidence += [f"key {entry['key']}"] if entry["key"] else []
+        rows.append((entry["at"], id_, event, entry["by"], entry["reason"], "; ".join(evidence)))
     return Facts(tables=[Table(("when", "table", "state", "by", "why", "evidence"), rows)])
 
 

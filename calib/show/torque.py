@@ -9,6 +9,7 @@ from calib.base.arrays import Array, Mask
 from calib.base.names import AXLE_NAMES
 from calib.base.plain import NBSP
 from calib.base.units import BAR
+from calib.estimation.estimator import Estimate
 from calib.estimation.metrics import truth_of
 from calib.estimation.readout import Bounded
 from calib.estimation.validate import NONE, REFERENCE, TRUTH, Validation
@@ -40,9 +41,9 @@ def torques(columns: Columns, prefix: str = "ecu_") -> list[Bounded]:
     ]
 
 
-def valid_samples(result: Validation) -> Mask:
+def valid_samples(estimate: Estimate) -> Mask:
     """Return the samples (n,) in which the ECU is valid; none if the run does not count."""
-    return result.estimate.ecu.valid & (not result.estimate.unfit)
+    return estimate.ecu.valid & (not estimate.unfit)
 
 
 def means(columns: Columns, valid: Mask, prefix: str = "ecu_") -> list[str]:
@@ -52,7 +53,7 @@ def means(columns: Columns, valid: Mask, prefix: str = "ecu_") -> list[str]:
 
 def ecu_means(result: Validation) -> list[str]:
     """Return `means` of the ECU in a stop."""
-    return means(result.estimate.columns(), valid_samples(result))
+    return means(result.estimate.columns(), valid_samples(result.estimate))
 
 
 def _mean(value: Array, lower: Array, upper: Array) -> str:
@@ -112,7 +113,7 @@ _ERRORS = ("ecu_torque_error_f", "ecu_torque_error_r", "ecu_level_error")
 def errors(result: Validation) -> _TorqueErrors:
     """Return the errors of the ECU's torques in a stop."""
     estimate = result.estimate
-    compared = valid_samples(result) & estimate.valid & (estimate.blocks.v is not None)
+    compared = valid_samples(estimate) & estimate.valid & (estimate.blocks.v is not None)
     return errors_in(result.figures, estimate.columns(), compared)
 
 
