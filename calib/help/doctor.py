@@ -72,11 +72,10 @@ def examine(store: Path | None = None) -> tuple[_Finding, ...]:
         settings, usual = _Finding("settings", FINE, file), project.settings["store"]
     except SettingsError as error:
         settings = _Finding("settings", WRONG, str(error), "mend the file")
-    return (*map(_package, packages()), _store(store or usual or STORE), settings)
+    return (*map(_package_finding, packages()), _store(store or usual or STORE), settings)
 
 
-def _package(package: tuple[Requirement, str, str]) -> _Finding:
-    """Return the finding on an item of `packages`."""
+def _package_finding(package: tuple[Requirement, str, str]) -> _Finding:
     need, installed, extra = package
     text = f"{installed or 'missing'} (needs {need.specifier})"
     if installed and need.specifier.contains(installed, prereleases=True):

@@ -97,7 +97,6 @@ def _gap_in_words(diagnosis: Diagnosis) -> str:
 
 
 def _parameters(effect: Named) -> str:
-    """Return the parameters of an effect with their intervals."""
     texts = []
     for name, parameter in effect.parameters.items():
         value, interval = estimate(parameter)
@@ -122,7 +121,6 @@ def outcome(diagnosis: Diagnosis) -> str:
 
 
 def _verdict_of(diagnosis: Diagnosis) -> str:
-    """Return the verdict in a sentence or two."""
     if diagnosis.verdict == "no_gap":
         return "These logs show nothing that is missing from the model."
     if diagnosis.verdict in ("named", "ambiguous"):
@@ -147,7 +145,6 @@ def _verdict_of(diagnosis: Diagnosis) -> str:
 
 
 def _effect(effect: Named, diagnosis: Diagnosis) -> Facts:
-    """Return the part of a named effect: cause, where it acts, evidence, rivals."""
     card = definition(diagnosis.model_before.vehicle.effects, effect.name).card
     region = effect.where
     ranges = [span(region.pressure, "Pa"), span(region.speed, "m/s")]

@@ -168,7 +168,7 @@ class _Drawing:
         band = [np.asarray(end, float) for end in line.band or ()]
         values = [np.asarray(line.y, float)] if line.mean else []
         source, columns = self._columns(line, [line.shown, *band, *values])
-        look, name = _look(line.look), _plain(line.label)
+        look, name = _look_in_bokeh(line.look), _plain(line.label)
         more: dict[str, Any] = {"source": source}
         if name:
             more["legend_label"] = name
@@ -245,14 +245,13 @@ def _mark(fig: Any, mark: Mark) -> None:
     if mark.label:
         more["legend_label"] = _plain(mark.label)
     if mark.start == mark.end:
-        fig.vspan([mark.start], **_look(mark.look), **more)
+        fig.vspan([mark.start], **_look_in_bokeh(mark.look), **more)
     else:
         colour = mark.look["color"]
         fig.vstrip([mark.start], [mark.end], fill_color=colour, line_color=None, **more)
 
 
-def _look(stroke: Stroke) -> dict[str, Any]:
-    """Return the look of a line by its names in Bokeh."""
+def _look_in_bokeh(stroke: Stroke) -> dict[str, Any]:
     points = stroke.get("linewidth", LINE_WIDTH)
     look = {"color": stroke["color"], "line_width": _PIXEL * points}
     style = stroke.get("linestyle", "-")

@@ -257,7 +257,6 @@ def _pad_panel(stop: _Stop) -> Panel:
 
 
 def _force_panel(stop: _Stop) -> Panel:
-    """Return the panel of the normalised forces of the axles, with the deceleration."""
     lines = [
         Line(stop.time, stop.columns[key], look, label, mean=style.MEAN)
         for key, look, label in (
