@@ -59,8 +59,7 @@ static bte_real logarithm(bte_real x) {
 /* An interval inside this file: an array of a median, its lower and its upper bound. */
 enum { MEDIAN, LOWER, UPPER, ENDS };
 
-/* Add `by` to an interval, and `more` to the distances of its bounds from the median: the square of
- * a distance is then the sum of both squares. */
+/* Add `by` to an interval, and the square of `more` to that of the distance of each bound. */
 static void widen(bte_real x[], bte_real by, bte_real more_lower, bte_real more_upper) {
     const bte_real below = x[LOWER] - x[MEDIAN], above = x[UPPER] - x[MEDIAN];
     x[MEDIAN] += by;
@@ -260,7 +259,6 @@ static uint32_t fnv_reals(uint32_t sum, const volatile bte_real x[], uint32_t co
 /* First numbers of the filters, which outlast a reset: both zeros and the lag, their variances. */
 enum { LASTING = 6 };
 
-/* Return the checksum of what outlasts a reset. */
 CALLED static uint32_t seal_of(const bte_state *s) {
     const bte_real *lasting = (const bte_real *)&s->filters;
     return fnv_reals(BTE_LAYOUT ^ (uint32_t)sizeof *s, lasting, LASTING);
@@ -518,8 +516,7 @@ bte_status bte_init(bte_state *s, const bte_car *car) {
 }
 
 bool bte_exchange(bte_state *s, const bte_car *car) {
-    const bool known = s->layout == BTE_LAYOUT;
-    const bte_real rests = known ? s->car->numbers->rests : R(0.0);
+    const bte_real rests = s->layout == BTE_LAYOUT ? s->car->numbers->rests : R(0.0);
     const bte_real front = MATH(fabs)(s->omega[BTE_FRONT]), rear = MATH(fabs)(s->omega[BTE_REAR]);
     return begin_again(s, car, largest(front, rear) < rests);
 }

@@ -5,20 +5,20 @@
  */
 static const double G = 9.80665, EDGE = 0.999, STOPS = 1.0, LEAST = 0.01;
 /* [m/s^2]; share of the rising branch of the tyre; least speed [m/s]; least load */
-enum { DRIVES, STANDS, LIFTS, SLIDES, TURNS = 40 }; /* reasons; iterations */
+enum { DRIVES, STANDS, LIFTS, SLIDES, ITERATIONS = 40 }; /* reasons; a number */
 
 typedef struct {
     double v, z, slip[BTE_AXLES], omega[BTE_AXLES];
 } model;
 
-/* The state after `dt` [s], or that of a steady deceleration where it is 0. */
+/* Find the state after `dt` [s]; where `dt` is 0, that of a steady deceleration. */
 static void solve(model *m, double x[], double dt) {
     const bte_numbers *car = {{ data }}.numbers;
     const double shape = x[TYRE_SHAPE], edge = tan(0.5 * acos(-1.0) * EDGE / shape);
-    const model was = *m;
-    m->slip[BTE_FRONT] = m->slip[BTE_REAR] = 0.0; /* from where no turn goes past a peak */
-    for (int turn = 0; turn < TURNS; turn++) {
-        m->v = was.v - 0.5 * G * dt * (was.z + m->z);
+    const model last = *m;
+    m->slip[BTE_FRONT] = m->slip[BTE_REAR] = 0.0; /* from there no iteration passes a peak */
+    for (int i = 0; i < ITERATIONS; i++) {
+        m->v = last.v - 0.5 * G * dt * (last.z + m->z);
         x[REASON] = m->v < STOPS ? STANDS : DRIVES;
         const double v = fmax(m->v, 0.5 * STOPS), drag = car->drag * v * v;
         const double rolling = car->rolling + car->rolling_growth * v * v;
@@ -27,25 +27,25 @@ static void solve(model *m, double x[], double dt) {
             const double share = car->load[a] + car->height[a] * m->z + car->drag_lift[a] * drag;
             const double load = fmax(share, LEAST);
             /* tyre: B x of its formula, and straight on from the end of its rising branch */
-            const double soft = pow(2.0 * load, x[TYRE_LOAD_EXPONENT]);
-            const double stiffness = load * x[TYRE_STIFFNESS] / soft, most = load * x[TYRE_PEAK];
-            const double bx = stiffness / (shape * most) * m->slip[a];
+            const double by_load = pow(2.0 * load, x[TYRE_LOAD_EXPONENT]);
+            const double stiffness = load * x[TYRE_STIFFNESS] / by_load, peak = load * x[TYRE_PEAK];
+            const double bx = stiffness / (shape * peak) * m->slip[a];
             const double clipped = fmin(fmax(bx, -edge), edge), angle = shape * atan(clipped);
             const double rise = stiffness * cos(angle) / (1.0 + clipped * clipped);
-            const double force = most * (sin(angle) + shape * (bx - clipped) * rise / stiffness);
+            const double force = peak * (sin(angle) + shape * (bx - clipped) * rise / stiffness);
             /* wheels and brakes */
             const double radius = car->rolling_radius[a], turning = car->spinning[a];
             const double omega = v * (1.0 - m->slip[a]) / radius;
-            const double spin = dt > 0.0 ? (omega - was.omega[a]) / dt : -G * m->z * omega / v;
+            const double spin = dt > 0.0 ? (omega - last.omega[a]) / dt : -G * m->z * omega / v;
             const double brakes = 2.0 * x[PAD_FRICTION_F + a] * car->torque_gain[a] * x[P_MC];
             const double demanded = turning * spin + rolling * load
                                     + (brakes - x[T_DRIVE_F + a]) * car->drive[a]; /* (1) */
             const double by_spin = dt > 0.0 ? turning * v / (radius * dt) : 0.0;
-            const double more = (demanded - force) / (rise + by_spin);
+            const double step = (demanded - force) / (rise + by_spin);
             m->omega[a] = omega;
-            m->slip[a] += more;
+            m->slip[a] += step;
             x[REASON] = share < LEAST ? LIFTS : fabs(bx) > edge ? SLIDES : x[REASON];
-            sum += force + rise * more;
+            sum += force + rise * step;
         }
         m->z = sum; /* (5) */
     }

@@ -60,8 +60,7 @@ static const char *advance(instance *x, double time, double length) {
         return wrong == NULL ? FMI(OK) : FMI(Error); \
     }
 #define ABSENT(name, parameters) FUNCTION(name, parameters, wrong = "it is not offered")
-/* Parameters: the instance alone, and with a value. */
-#define ONLY (void *c)
+#define ONLY (void *c) /* parameters: the instance, alone or with a value */
 #define WITH(type) (void *c, type value)
 
 /* A function of SOME variables. It runs `copy` for each, if `known` holds for all references. */
@@ -87,8 +86,7 @@ static const char *advance(instance *x, double time, double length) {
 #define STATES(State, Deserialize) \
     FUNCTION(Get##State, WITH(void **), \
          instance *copy = *value == NULL ? malloc(sizeof *x) : *value; \
-         if (copy == NULL) { wrong = "no memory for a state"; } \
-         else { *copy = *x; *value = copy; }) \
+         if (copy == NULL) { wrong = "no memory"; } else { *copy = *x; *value = copy; }) \
     FUNCTION(Set##State, WITH(void *), \
          const instance *copy = value; \
          (void)memcpy(x->numbers, copy->numbers, sizeof x->numbers); \
