@@ -100,8 +100,7 @@ def _posterior(
 ) -> tuple[float, float]:
     """Mean and sigma of tau [s] from u + I by delay, ``regained`` [m/s] (m, n).
 
-    The factors of ``columns`` (n, k) have prior ``sigma`` (k,); ``noise`` is that of u, and that of
-    a step of I [m/s].
+    Factors of ``columns`` (n, k) have prior ``sigma`` (k,); ``noise`` of u, of a step of I [m/s].
     """
     white, walk = (max(x, _FINEST) ** 2 for x in noise)
     age = time - time[0]

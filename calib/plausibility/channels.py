@@ -129,11 +129,9 @@ def zero_of_pressure(evidence: Evidence) -> Iterator[Measured]:
 
 
 def _rolls_at_first(driving: DrivingRecord) -> Mask:
-    """First half of the samples (n,) before the car brakes by a_x; none if it slows there.
-
-    A ramp may begin in the second half.
-    """
+    """First half of the samples (n,) before the car brakes by a_x; none if it slows there."""
     unbraked = np.flatnonzero(np.cumsum(driving.z > BITE_Z) == 0)
+    # a ramp may begin in the second half
     first, rolling = unbraked[: unbraked.size // 2], np.zeros_like(driving.moving)
     if first.size * driving.step >= _ROLLED and np.mean(driving.z[first]) <= _UNBRAKED:
         rolling[first] = driving.moving[first]

@@ -13,8 +13,7 @@ from calib.run.run import Run
 _RAMP_TIME, _RAMP_RISE, _SPAN, _SPAN_ALONE = (
     bounds_of(code)[0] for code in ("ramp_time", "ramp_rise", "ramp_span", "ramp_span_alone")
 )
-"""Shortest braking and shortest rise of a ramp [s]; least rise of its deceleration [g], with both
-axles and with one."""
+"""Shortest braking and rise of a ramp [s]; least rise of its z [g], with both axles and one."""
 
 
 def clock(evidence: Evidence) -> Iterator[Measured]:

@@ -97,8 +97,7 @@ def brakes(evidence: Evidence) -> Iterator[Measured]:
 def force_step(evidence: Evidence) -> Iterator[Measured]:
     """The largest step of the force without one of the pressure, and sigma of such steps.
 
-    A short stop has few steps, whose scatter is small by chance: sigma is at least what the noise
-    of z on the lead-in makes.
+    Few steps may scatter little by chance: sigma is at least that by the noise of z.
     """
     run, response = evidence.run, evidence.response
     if response is None or run.vehicle is None:

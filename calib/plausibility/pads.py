@@ -16,8 +16,7 @@ _GRADES = 0.26
 """Largest ratio of front to rear pads over that of the file (logarithm): two grades differ by 30 %.
 If the whole interval is beyond, the file is of another car."""
 _LOADED = 0.25
-"""Largest change of the brakes (logarithm) by a load, a quarter of a car's mass, or a sensor.
-Soaked pads lose half."""
+"""Largest change of the brakes (logarithm) by a load or a sensor; soaked pads lose half."""
 
 
 def require_possible_pads(
@@ -28,8 +27,7 @@ def require_possible_pads(
 ) -> None:
     """Raise VehicleError for pads, or an interval of their ratio, that no car can have.
 
-    The error lists the ``warnings`` on file and logs. If a motor explains the ramps as well, the
-    text ``motor`` is the first cause.
+    It lists the ``warnings`` on file and logs. The text ``motor``, if any, is the first cause.
     """
     pads = (fitted.pad_friction_f.value, fitted.pad_friction_r.value)
     (low, high), rho = _POSSIBLE, fitted.pad_log_ratio

@@ -117,7 +117,7 @@ class _Belief(NamedTuple):
     radius: float  # sigma of the radius over its mean [1]
     offset: float = _SMALL  # sigma of the offset [rad/s]
     delay: float = 0.0  # of v [s]
-    rate: float = 0.0  # error of the clock of v [1], and its sigma
+    rate: float = 0.0  # relative error of the clock of v [1]
     rate_sigma: float = _STEADY
     slips: bool = False  # whether v is made of wheel speeds, and slips with them
     scale: float = _SCALE  # sigma of the scale of a_x [1]
@@ -130,7 +130,8 @@ def _beliefs(radius: float) -> Iterator[_Belief]:
     yield _Belief("", _RARE, radius, slips=True)
     yield _Belief("", _RARE, radius, slippery=True)
     yield _Belief("", _RARE, _CAR)
-    yield from (_Belief("", _RARE, other, scale=other) for other in (_CAR, _UNIT))
+    yield _Belief("", _RARE, _CAR, scale=_CAR)
+    yield _Belief("", _RARE, _UNIT, scale=_UNIT)
     for delay in _LATE:
         yield _Belief("", _RARE - math.log(len(_LATE)), radius, delay=delay)
     for offset in _LARGE:
@@ -164,7 +165,6 @@ class _Means(NamedTuple):
 
     @classmethod
     def of_run(cls, run: Run) -> "_Means":
-        """Compute the means of a run."""
         d, size = run.driving, samples_in(SMOOTHING, run.driving.step)
         end = run.slipping.first if run.slipping else math.inf
         inside = d.moving & (d.z > -DRIVEN_Z) & (d.z < GREATEST_Z) & (d.time < end)
@@ -195,7 +195,6 @@ class _AxleModel(NamedTuple):
 
     @classmethod
     def of_axle(cls, run: Run, means: _Means, axle: str, radius: float) -> "_AxleModel":
-        """Build the regression of an axle."""
         omega = 0.5 * (run.log[f"omega_{axle}l"] + run.log[f"omega_{axle}r"])
         omega = block_mean(omega, means.size)[means.is_used]
         v, late, a_x, shifts = means.v, means.late, means.a_x, list(means.shifts.values())
@@ -232,12 +231,9 @@ class _AxleModel(NamedTuple):
         of_v = [(0.0, _STEADY)]
         if belief.slips:
             slip, of_v = slip * (0.0, 1.0), [*slip[:1]]
-        return np.array(
-            [
-                *[(1.0, belief.radius), (0.0, belief.offset), *slip, *_A_X, *of_v],
-                *[(1.0, belief.scale), (0.0, _IN_TIME), (0.0, belief.rate_sigma)],
-            ]
-        ).T
+        prior = [(1.0, belief.radius), (0.0, belief.offset), *slip, *_A_X, *of_v]
+        prior += [(1.0, belief.scale), (0.0, _IN_TIME), (0.0, belief.rate_sigma)]
+        return np.array(prior).T
 
 
 def _by_wheels(omega: Array, z: Array) -> Array:

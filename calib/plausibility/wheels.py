@@ -146,8 +146,7 @@ def radii(evidence: Evidence) -> Iterator[Measured]:
 def slip(evidence: Evidence) -> Iterator[Measured]:
     """Rise of eta under braking: the axle that brakes alone, else the front one, must slip more.
 
-    The deceleration is at most that to which the car is front-biased; without a vehicle, the least
-    one of any car that may be released.
+    Only decelerations to which the car, or without a vehicle any car, is front-biased are used.
     """
     run, b = evidence.run, evidence.run.blocks
     front_biased = front_biased_up_to(run.car) if run.vehicle else LEAST_FRONT_BIASED

@@ -57,21 +57,20 @@ def find_clock(search: Search) -> None:
 
 
 def _propose_clock(search: Search) -> None:
-    complete = [s for s in search.free() if s.si in ("s", None)]
-    gapped = [s for s in search.gapped if s.si in ("s", None)]
-    running = [s for s in complete if _runs(s.values)]
-    named = [s for s in running if has_word(s.name, "time")]
-    fitting = [s for s in named if s.name == "time"] or named
-    faulty = [s for s in (*complete, *gapped) if has_word(s.name, "time")]
+    possible = [s for s in (*search.free(), *search.gapped) if s.si in ("s", None)]
+    running = [s for s in possible if _runs(s.values)]
+    named = [s for s in possible if has_word(s.name, "time")]
+    fitting = [s for s in running if has_word(s.name, "time")]
+    fitting = [s for s in fitting if s.name == "time"] or fitting
     unread = [(name, why) for name, why in search.unused.items() if has_word(name, "time")]
     if len(fitting) > 1:
         do = "choose one: --take time=NAME"
         search.doubt("time", fitting, "more than one column is a time", do)
     elif fitting:
         _take_clock(search, fitting[0])
-    elif faulty:
-        why = f"{faulty[0].name} is named a time, but {_disorder(faulty[0].values)}"
-        search.doubt("time", faulty[:1], why, "correct the log, or export it again")
+    elif named:
+        why = f"{named[0].name} is named a time, but {_disorder(named[0].values)}"
+        search.doubt("time", named[:1], why, "correct the log, or export it again")
     elif unread:
         (name, why), do = unread[0], "export the log again, with a time for each row"
         search.doubts.append(Doubt("time", (name,), why, do))
@@ -82,7 +81,7 @@ def _propose_clock(search: Search) -> None:
 
 
 def _runs(values: Array) -> bool:
-    """Whether values never fall, and few stand still, as those of a clock."""
+    """Whether values never fall or lack, and few stand still, as those of a clock."""
     steps = np.diff(values)
     standing = np.count_nonzero(steps == 0.0)
     return bool(steps.size and np.all(steps >= 0.0) and standing <= REPEATED * values.size)

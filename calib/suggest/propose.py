@@ -76,7 +76,13 @@ def suggest(
     proposed = {proposal.mapping.source for proposal in proposals}
     unused = {name: why for name, why in search.unused.items() if name not in proposed}
     ignore = tuple(n for n in unused if n in CHANNELS and n not in search.proposals)
-    missing = _missing(search, unused)
+    doubtful = {doubt.channel[:6] for doubt in search.doubts}  # `omega_`: wheels share a doubt
+    absent = "no column fits by name, unit and values" if search.clock else _NO_CLOCK
+    missing = {
+        name: f"its column: {unused[name]}" if name in unused and search.clock else absent
+        for name in REQUIRED
+        if name not in search.proposals and name[:6] not in doubtful
+    }
     return Suggestion(where, proposals, tuple(search.doubts), missing, unused, ignore)
 
 
@@ -94,18 +100,6 @@ def _find_others(search: Search, clock: ColumnClock) -> None:
     body.find_pressure(search, None if rate is None else -rate, clock)
     clock_and_wheels.find_wheel_pressures(search)
     body.find_by_name(search)
-
-
-def _missing(search: Search, unused: dict[str, str]) -> dict[str, str]:
-    """Reason for each required channel that is neither proposed nor in doubt."""
-    doubtful = {doubt.channel[:6] for doubt in search.doubts}  # `omega_`: wheels share a doubt
-    no_column = "no column fits by name, unit and values"
-    reasons = {
-        name: f"its column: {unused[name]}" if name in unused else no_column
-        for name in REQUIRED
-        if name not in search.proposals and name[:6] not in doubtful
-    }
-    return reasons if search.clock else dict.fromkeys(reasons, _NO_CLOCK)
 
 
 def _proposal_of_user(
