@@ -112,7 +112,7 @@ def errors_as(error: Callable[..., BrakeCalError], where: object, expected: str)
         raise error("no such file", where=where, expected=expected, do="check the path") from cause
     except OSError as cause:
         flaw, do = f"cannot be read ({cause.strerror})", ""
-        if Path(str(where)).is_dir():
+        if os.path.isdir(str(where)):
             flaw, do = "is a folder", "name the files in it"
         raise error(flaw, where=where, expected=expected, do=do) from cause
 
