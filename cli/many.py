@@ -29,6 +29,7 @@ from cli.outputs import check_folder, write_folder, writing
 if TYPE_CHECKING:
     from calib.car.vehicle import Vehicle
     from calib.estimation.limits import Limit
+    from calib.line.fleet.batch import BatchRun
     from calib.line.fleet.rows import Row
     from calib.line.fleet.work import Job
 
@@ -127,15 +128,11 @@ def batch(
     workers = Cluster(scheduler) if scheduler else Pool(inputs.workers or cores())
     say(f"{command.value} on {counted(workers.workers, 'worker')}")
     with closing(workers) as executor, progress() as step, writing(out):
-        result = run_batch(
-            job,
-            logs,
-            out,
-            executor,
-            lambda state: step(
-                f"{state.finished} of {state.total} logs", state.finished, state.total
-            ),
-        )
+
+        def show_progress(run: "BatchRun") -> None:
+            step(f"{run.finished} of {run.total} logs", run.finished, run.total)
+
+        result = run_batch(job, logs, out, executor, show_progress)
     code = FAILED if result.counts[Status.FAILED] > 0 else 0
     if result.counts[Status.ERROR] == result.finished:
         code = UNREADABLE

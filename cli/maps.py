@@ -76,7 +76,6 @@ def map_(
     record["left"] = record.pop("unused")
     written = toml if is_certain else None
     document = {"certain": not proposal.doubts, **record, "toml": written}
-    code = UNREADABLE
-    if is_certain:
-        code = FAILED if proposal.missing else 0
-    return Answer(document, (written or "").rstrip("\n") if out is None else "", code)
+    code = FAILED if proposal.missing else 0
+    text = (written or "").rstrip("\n") if out is None else ""
+    return Answer(document, text, code if is_certain else UNREADABLE)

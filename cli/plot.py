@@ -76,9 +76,7 @@ def _read(
     from calib.logs.read import FORMATS, REQUIRED
     from calib.show.result import is_result, read_result
 
-    results: list[Path] = []
-    logs: list[Path] = []
-    names: list[str] = []
+    results, logs, names = list[Path](), list[Path](), list[str]()
     for source in sources:
         file = Path(source)
         if is_result(file):

@@ -104,17 +104,12 @@ def verify(
     else:
         verdicts, note = store.verify(name), ""
     keys = ("id", "sound", "violations", *(["signed"] if key else []))
-    rows = [{name: getattr(verdict, name) for name in keys} for verdict in verdicts]
+    rows = [{k: getattr(verdict, k) for k in keys} for verdict in verdicts]
     is_sound = all(verdict.sound for verdict in verdicts)
     if note:
         say(note)
-    unfinished = unplaced(store.folder)
-    document = {
-        "store": store.folder,
-        "sound": is_sound,
-        "versions": rows,
-        "unfinished": unfinished,
-    }
+    document = {"store": store.folder, "sound": is_sound, "versions": rows}
+    document["unfinished"] = unplaced(store.folder)
     result = verified(verdicts, bool(key)) if rows else f"{store.folder} holds no table"
     return Answer(document, result, 0 if is_sound else DAMAGED)
 
@@ -180,19 +175,18 @@ def _judged(table: str, word: str, decision: _Decision, evidence: Path | None) -
     stored = decision.store.load(table)
     proof, verdict = read_evidence(evidence, stored) if evidence else (None, "")
     if word == "released" and verdict == "failed":
-        raise usage_error(
-            f"{evidence} says that {table} failed, which releases nothing", "--evidence"
-        )
-    lost = stored.table.not_sensed.get("wheel_pressures")
-    if word == "released" and lost:
-        flaw = f"is for no ECU: it would have to know {lost}"
+        flaw = f"{evidence} says that {table} failed, which releases nothing"
+        raise usage_error(flaw, "--evidence")
+    unknown_to_ecu = stored.table.not_sensed.get("wheel_pressures")
+    if word == "released" and unknown_to_ecu:
+        flaw = f"is for no ECU: it would have to know {unknown_to_ecu}"
         do = "declare rear_proportioning in the vehicle file, or fit the ramp without them"
         raise StoreError(flaw, where=table, expected="a table of pressures that an ECU has", do=do)
     proofs, old = (proof,) if proof else (), stored.state
     state = StateDecision(word, decision.reason, verdict, proofs, decision.by or "")
     after = decision.store.judge(table, state)
-    states = {"before": old.word, "state": after.state.word, "why": after.state.description}
-    document = {"table": after.id, "digest": after.digest, **states}
+    document = {"table": after.id, "digest": after.digest, "before": old.word}
+    document |= {"state": after.state.word, "why": after.state.description}
     change = "nothing to change" if old == after.state else f"it was {old.word}"
     text = f"{after.id} is {after.state.description}; {change}"
     if verdict in (CONSISTENT, "warning"):
