@@ -72,7 +72,8 @@ class Commands(Group):
         return [*_PLACES]
 
     def get_command(self, ctx: Any, name: str) -> Any:
-        """Return the command of a name, None for an unknown one."""
+        """Return the command of a name, None for an unknown one; ``explain`` is ``manual``."""
+        name = "manual" if name == "explain" else name
         places = {row.name: place for row, place in _PLACES.items()}
         # of an unknown name all are imported, so that typer can suggest one
         for wanted in [name] if name in places else places:

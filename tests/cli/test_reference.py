@@ -49,7 +49,9 @@ def test_the_manual_is_listed_and_each_page_printed(brake_cal):
 
 @pytest.mark.parametrize("code", ["a_x_scale", "ecu_reference_f", "IMPLAUSIBLE", "motor_changed"])
 def test_a_code_is_explained_by_its_own_row(brake_cal, code):
-    text = " ".join(parsed(brake_cal("manual", code, "--json"))["text"])
+    document = parsed(brake_cal("manual", code, "--json"))
+    assert parsed(brake_cal("explain", code, "--json")) == document
+    text = " ".join(document["text"])
     rules = [rule for rule in RULES if rule.code == code]
     known = [rule.do for rule in rules] or [
         CHECKS.get(code) or getattr(METRICS.get(code), "meaning", "")
