@@ -20,24 +20,18 @@ from calib.estimation.validate import Validation
 
 _PADS = ("pad_friction_f", "pad_friction_r", "pad_level")
 _OTHER_ROAD = 2.5  # difference of stiffness that means two roads [sigma]; 1 of 80 pairs of one road
-_OTHER_PADS = (
-    0.15  # difference of ln of the level [1] that means other pads, as `level_changed` does
-)
+_OTHER_PADS = 0.15  # difference of ln of the level [1] that means other pads, as `level_changed`
 
 
 @dataclass(frozen=True)
 class _Road:
-    """Stops on one road with like pads, by name; ``stiffness`` of the tyres over the ramp's [1].
+    """Stops on one road with like pads."""
 
-    ``mean_f``, ``mean_r`` are the mean pad friction, ``spread_f``, ``spread_r`` the largest
-    relative departure from the mean [1], None for a single stop.
-    """
-
-    stops: tuple[str, ...]
-    stiffness: float
-    mean_f: float
+    stops: tuple[str, ...]  # names
+    stiffness: float  # of the tyres, over that on the ramp [1]
+    mean_f: float  # mean pad friction [1]
     mean_r: float
-    spread_f: float | None
+    spread_f: float | None  # largest relative departure from the mean [1], None for a single stop
     spread_r: float | None
 
 
@@ -59,9 +53,9 @@ class _Agreement:
 
 
 def agreement(results: Iterable[Validation]) -> _Agreement | None:
-    """Agreement of the stops; None where no two stops with an answer have one road and like pads.
+    """Return the agreement of stops, None where no two with an answer share road and pads.
 
-    The softest stop that has no road yet begins a road, to which all stops like it belong.
+    The softest stop without a road begins a road, to which all stops like this one belong.
     """
     answered = [r for r in results if r.figures["pad_level"] is not None]
     rows = [[*(r.figures[key] for key in _PADS), *stiffness(r.estimate)] for r in answered]
@@ -88,7 +82,7 @@ def agreement(results: Iterable[Validation]) -> _Agreement | None:
 
 
 def stiffness(e: Estimate) -> tuple[float, float]:
-    """ln of the tyres' stiffness over the ramp's [1], at the last valid sample, and its sigma."""
+    """Return ln of tyre stiffness over the ramp's [1] at the last valid sample, and its sigma."""
     i, tyre = int(np.flatnonzero(e.valid)[-1]), e.table.tyre
     z = float(np.clip(e.read.z[i], tyre.force[1], tyre.force[-1]))
     slip_per_z = float(np.interp(z, tyre.force, tyre.slip)) / z  # on the ramp

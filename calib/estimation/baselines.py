@@ -1,7 +1,7 @@
-"""Baselines of the pad friction: the paper's law, and the methods that the paper compares it with.
+"""Other methods for the pad friction: the law of the paper, and those that it is compared with.
 
-A method that does not apply gives NaN. The paper's law adapts the change zeta of the pad friction
-of each axle. It takes the force of the axle from the curves f1(eta), f2(eta) of the table, which
+A method that does not apply gives NaN. The law adapts the change zeta of the pad friction of each
+axle. It takes the force of the axle from the curves f1(eta), f2(eta) of the table, which
 hold on the road of the ramp:
 
     y = J d omega/dt - (z + f1) R F_z + mu_n C P = -zeta C P     (23), front; f2 at the rear
@@ -35,18 +35,17 @@ _MEMORY = 0.5
 
 
 def nominal(e: Estimate, factor: Array | float = 1.0) -> Pair:
-    """The nominal pads, times a factor."""
+    """Return the nominal pad friction of both axles (n,), times a factor."""
     factor = factor * np.ones_like(e.read.time)
     return e.car.front.pad_friction * factor, e.car.rear.pad_friction * factor
 
 
 def mean_gain(e: Estimate) -> Pair:
-    """Nominal pads times one factor, reference [16] of the paper.
+    """Return the nominal pads times one factor for both axles, reference [16] of the paper.
 
     The factor is the recursive least squares solution of demanded over nominal brake force, which
-    forgets over `_MEMORY`; it is 1 before the first braking. Of [16] the paper only says that its
-    gain is recursive and rests on the deceleration: here a_x without known resistance. The method
-    cannot tell the axles apart.
+    forgets over `_MEMORY`, and 1 before the first braking. The paper only says that the gain is
+    recursive and rests on the deceleration: here a_x without known resistance.
     """
     u = np.where(e.forces.active, e.forces.nominal_f + e.forces.nominal_r, 0.0)
     pole = [1.0, -float(np.exp(-e.read.sample_time / _MEMORY))]
@@ -61,14 +60,11 @@ def mean_gain(e: Estimate) -> Pair:
 
 
 def _adapted(e: Estimate) -> Pair:
-    """Pad friction mu_n + zeta of the axles (n,) by the paper's law.
-
-    Each axle has its own gain. Its zeta is constant where no pads bite.
-    """
+    """Return the pad friction mu_n + zeta of both axles (n,); zeta stays where no pads bite."""
     brakes = _by_curves(e.table, e.eta, e.forces.balance)
 
     def adapt(axle: Axle, p: Array, brake: Array) -> Array:
-        """Pad friction (n,) of an axle with pressure ``p`` [Pa] and ``brake`` force [N]."""
+        """Return the pad friction (n,) of an axle with pressure ``p`` [Pa], ``brake`` force [N]."""
         torque = axle.torque_gain * p
         y = axle.pad_friction * torque - 0.5 * axle.rolling_radius * brake  # (23)
         u = np.where(e.forces.active, -torque, 0.0)  # (24)
@@ -78,7 +74,7 @@ def _adapted(e: Estimate) -> Pair:
 
 
 def _by_curves(table: Table, eta: Array, b: ForceBalance) -> Pair:
-    """Brake forces [N] of both axles by the normalised forces z + f1 and z + f2, (11)-(14).
+    """Return brake forces [N] of both axles by the normalised forces z + f1 and z + f2, (11)-(14).
 
     ``eta`` zeroed (22) (n,); z is the sum of the tyre forces of ``b`` over the weight. Beyond its
     end a curve keeps its last value.
@@ -89,12 +85,12 @@ def _by_curves(table: Table, eta: Array, b: ForceBalance) -> Pair:
 
 
 def gain(axle: Axle) -> float:
-    """gamma [1/(N^2 m^2 s)] at which (25) adapts an axle with `RATE` at `PRESSURE`."""
+    """Return gamma [1/(N^2 m^2 s)] at which (25) adapts an axle with `RATE` at `PRESSURE`."""
     return RATE / (axle.torque_gain * PRESSURE) ** 2
 
 
 def gradient(y: Array, u: Array, gamma: float, dt: float) -> Array:
-    """theta_hat (n,) after each sample by (25), from 0; NaN where (25) is unstable in steps of dt.
+    """Return theta_hat (n,) by (25), from 0, or NaN where (25) is unstable in steps of dt.
 
     theta[k+1] = (1 - gamma u^2 dt) theta[k] + gamma dt u y is a lower bidiagonal system.
     """

@@ -1,7 +1,7 @@
-"""Constants of the step: values of a table, values of the sensors, and tuned numbers.
+"""Constants of the step, which is the estimator on one block of samples.
 
-`constants` makes them for a table. The names that begin with ``q_`` are random walks of a state,
-those with ``r_`` measurement noise, those with ``var_`` variances.
+Names that begin with ``q_`` are random walks of a state, with ``r_`` measurement noise, with
+``var_`` variances, with ``walk_`` variances that a block adds. `constants` makes all of a table.
 """
 
 import math
@@ -26,16 +26,14 @@ SLIP = ("log_slip", "log_slip_sigma")
 """Columns of the maps that the step reads, in the shape in which the step has them."""
 
 _ROADS = STOP.log_stiffness
+# root mean square of ln of the stiffness over the kinds of road
 _ROAD_SIGMA = math.sqrt(np.average(np.hypot(_ROADS.mean, _ROADS.sigma) ** 2, weights=_ROADS.share))
 _WALKS = "level", "rate", "slip", "grade", "bias", "radius"
 
 
 @dataclass(frozen=True)
 class Constants:
-    """Constants of the step.
-
-    First those of table and sensors, then tuned numbers, then values that follow from these.
-    """
+    """Values of table and sensors, then tuned numbers, then values that follow from both."""
 
     pads: Reader  # `PADS` over z, eta and slip
     slip: Reader  # `SLIP` over the same
@@ -45,7 +43,7 @@ class Constants:
     noise_z: float  # densities of the noise of z and v, as in `SensorNoise`
     noise_v: float
     radii: float  # rolling radius of the front wheels over that of the rear ones, less 1 [1]
-    late: float  # time by which v comes after the wheel speeds [s], and its sigma
+    late: float  # delay of v behind the wheel speeds [s], and its sigma
     late_sigma: float
     ramp_ratio: float  # ln of the pads' ratio on the ramp [1]
     block: float  # [s]
@@ -60,12 +58,12 @@ class Constants:
     over: float = 1.0  # time after a release at which a stop is over [s]
     least_pressure: float = 2e5  # pressure of a valid answer [Pa]
     least_z: float = 0.05  # mean of z from which on eta is read [1]
-    unsteady: float = 0.36  # of the variance of eta while z changes: a body that pitches [1]
-    usual_z: float = 0.1  # at which the maps are read before any braking [1]
+    unsteady: float = 0.36  # factor of the variance of eta by pitching while z changes [1]
+    usual_z: float = 0.1  # z at which the maps are read before any braking [1]
     least_mean_z: float = 0.01  # a smaller mean of z counts as this [1]
     least_share: float = 0.02  # a smaller level, or share of the pressure, counts as this [1]
-    least_level: float = 0.05  # of soaked pads, the weakest [1]
-    most_level: float = 3.0  # of the best racing pads, with a tenth of error [1]
+    least_level: float = 0.05  # level of soaked pads, the weakest [1]
+    most_level: float = 3.0  # level of the best racing pads, with a tenth of error [1]
     level_sigma: float = CAR.pad_level.sigma  # sigma of the level before any braking [1]
     q_level: float = 0.01  # random walk of the level, relative [1/sqrt(s)]
     fade: float = 0.06  # sigma of the rate at which the level changes [1/s]
@@ -102,11 +100,11 @@ class Constants:
     recover: float = 1.0  # time after a lock, ABS or a failed check without a valid answer [s]
     unexplained: float = 0.02  # brake force over the weight that is more than noise of a_x [1]
     errs: float = 10.0  # log likelihood ratio from which on a_x errs, or a motor is wrong
-    most_evidence: float = 2.5  # that a block adds at most, so that a bump is no error of a_x
+    most_evidence: float = 2.5  # most that a block adds to it, so that a bump is no error of a_x
     drive_memory: float = 0.5  # time over which the mean force of motors forgets [s]
     usual_level: float = 1.0  # time over which the level before a step is followed [s]
-    chatter: float = 8.0  # mean of squared innovations from which on ABS works; each counts at most
-    most_chatter: float = 36.0
+    chatter: float = 8.0  # mean of squared innovations from which on ABS works
+    most_chatter: float = 36.0  # a larger squared innovation counts as this
     chatter_memory: float = 0.7  # time over which that mean forgets [s]
     trusted: float = 2.0  # departure of the scale from its prior without doubt [sigma]
     far: float = 7.0  # largest plausible departure of the offset from its prior [sigma]
@@ -152,9 +150,8 @@ class Constants:
     speed: float = field(init=False)  # that a car loses in a block at 1 g [m/s]
 
     def __post_init__(self) -> None:
-        """Compute the values that follow from the others."""
         dt = self.block
-        of_block = {
+        values = {
             "keep": math.exp(-dt / self.memory),
             "var_level": self.level_sigma**2,
             "var_rate": self.fade**2,
@@ -182,12 +179,12 @@ class Constants:
             "most_log_slip": self.log_slip + self.far_slip * self.log_slip_sigma,
             "speed": G * dt,
         }
-        for name, value in of_block.items():
+        for name, value in values.items():
             object.__setattr__(self, name, value)
 
 
 def constants(table: Table, noise: SensorNoise, block: float) -> Constants:
-    """Constants for a ``table``, ``noise`` of the sensors, and the length of a ``block`` [s]."""
+    """Return the constants of a ``table``, sensor ``noise``, and length of a ``block`` [s]."""
     return Constants(
         **_of_table(table),
         noise_rim=float(table.vehicle.front.rolling_radius * noise.omega),
@@ -200,7 +197,7 @@ def constants(table: Table, noise: SensorNoise, block: float) -> Constants:
 
 @lru_cache(maxsize=4)
 def _of_table(table: Table) -> dict[str, Any]:
-    """Constants that depend on no log."""
+    """Return the constants that depend on no log."""
     car, draws = table.vehicle, table.draws
     return {
         "pads": Reader(table.map, PADS),

@@ -84,7 +84,7 @@ def widen_zeros(c: Constants, s: State) -> None:
 
 
 def take_zeros(c: Constants, s: State, demand: float, eta_less_1: float, rim: float) -> None:
-    """Update the zeros of demand and eta by a rolling block; count refused ones in a row."""
+    """Update the zeros of demand and eta by a rolling block; count refused blocks in a row."""
     of_demand: Zero = s.demand
     of_eta: Zero = s.eta_less_1
     s.check.refused += 1.0
@@ -95,9 +95,9 @@ def take_zeros(c: Constants, s: State, demand: float, eta_less_1: float, rim: fl
 
 
 def rolls(c: Constants, s: State, x: Sample[float], *, counts: bool) -> bool:
-    """Whether the car rolls without brake, so that a block may show the zeros.
+    """Return whether the car rolls without brake, so that a block may show the zeros.
 
-    A deceleration beyond ``steady`` that no brake and no known motor explains is a refused zero.
+    Count a refused zero if neither brake nor known motor explains a deceleration beyond ``steady``.
     """
     unbraked = counts and x.pressure < c.untouched
     steady = abs(x.z) < c.steady
@@ -107,17 +107,17 @@ def rolls(c: Constants, s: State, x: Sample[float], *, counts: bool) -> bool:
 
 
 def shift(s: State, x: Sample[float]) -> float:
-    """Eta over its zero, less 1."""
+    """Return eta over its zero, less 1 [1]."""
     return (x.eta_less_1 - s.eta_less_1.value) / (1.0 + s.eta_less_1.value)
 
 
 def rim_speed(s: State, x: Sample[float]) -> float:
-    """Speed of the rims of all wheels [m/s], weighted by load, with equal radii."""
+    """Return the speed of all rims [m/s], weighted by load, as if all radii were equal."""
     return x.rim + x.rim * x.rear_share * shift(s, x)
 
 
 def reset_stop(c: Constants, s: State) -> None:
-    """Reset the states of a stop; the lag stays, as it is that of the car."""
+    """Reset the states of a stop, but keep the lag of the brakes, which belongs to the car."""
     f: LevelFilter = s.level
     f.level, f.rate, f.var_level, f.var_rate = 1.0, 0.0, c.var_level, c.var_rate
     f.cov_level_lag, f.cov_level_rate, f.cov_lag_rate = 0.0, 0.0, 0.0
@@ -126,20 +126,20 @@ def reset_stop(c: Constants, s: State) -> None:
     s.braked, s.mean_z = 0.0, 0.0
     e: Check = s.check
     off = s.speed.scale - c.scale
-    if abs(off) > c.far * c.scale_sigma:  # left by a fault: learn it anew
+    if abs(off) > c.far * c.scale_sigma:  # a fault left a wrong scale: learn the scale anew
         s.speed.var_scale = max(s.speed.var_scale, off**2)
     e.level, e.chatter, e.ratio = 1.0, 0.0, 0.0
 
 
 def start(c: Constants, s: State) -> None:
-    """Begin with radii within 1 % of the car's, and any level of the pads."""
+    """Set the state before any block: radii within 1 % of the car's, any level of the pads."""
     s.eta_less_1.value, s.lag.value, s.level_then = c.radii, c.lag, 1.0
     s.demand.variance, s.eta_less_1.variance, s.lag.variance = c.var_zero, c.var_zero, c.var_lag
     reset_stop(c, s)
 
 
 def brake_line_lag(c: Constants, s: State, nominal: float) -> None:
-    """Update the force behind the lag, and its slope by the lag; exact for a linear rise."""
+    """Update the force behind the lag and its derivative by the lag, exact for a linear rise."""
     dt, lag = c.block, max(s.lag.value, c.least_lag)
     decay = math.exp(-dt / lag)
     rate = (nominal - s.nominal) / dt
@@ -150,7 +150,7 @@ def brake_line_lag(c: Constants, s: State, nominal: float) -> None:
 
 
 def force_variance(c: Constants, s: State, x: Sample[float], y: float) -> float:
-    """Innovation variance of the brake force ``y``: by states, noise, road, and force to come."""
+    """Return the innovation variance of brake force ``y``: by states, noise, road and lag."""
     f: LevelFilter = s.level
     h, k = s.acting, f.level * s.by_lag
     rough, to_come = c.r_level * y, c.r_lag * f.level * (x.nominal - h)
@@ -159,7 +159,7 @@ def force_variance(c: Constants, s: State, x: Sample[float], y: float) -> float:
 
 
 def update_level(c: Constants, s: State, x: Sample[float], y: float) -> None:
-    """Update level and lag by the brake force ``y`` of a block, and the means for the map."""
+    """Update level and lag by the brake force ``y`` of a block, then the means for the map."""
     f: LevelFilter = s.level
     m: Means = s.means
     dt = c.block
@@ -179,7 +179,7 @@ def update_level(c: Constants, s: State, x: Sample[float], y: float) -> None:
     s.check.chatter += c.share_chatter * (nis - s.check.chatter)
     jump = min(residual**2 - c.jump**2 * spread, c.var_level * h**2)
     keep = c.keep
-    if jump > 0.0:  # a step of the level: the old means no longer hold
+    if jump > 0.0:  # a step of the level: the means forget older blocks
         f.var_level += jump / h**2
         p_level += jump / h
         keep *= spread / (spread + jump)
@@ -187,7 +187,7 @@ def update_level(c: Constants, s: State, x: Sample[float], y: float) -> None:
     gain = 1.0 / spread
     step, g_level, g_lag = gain * residual, gain * p_level, gain * p_lag
     f.level += step * p_level
-    if s.checks == 0.0:  # the lag lasts: nothing implausible may tell it
+    if s.checks == 0.0:  # the lag outlasts the stop: learn it from plausible blocks only
         s.lag.value = max(s.lag.value + step * p_lag, 0.0)
         s.lag.variance -= g_lag * p_lag
     f.rate += step * p_rate
@@ -208,10 +208,10 @@ def update_level(c: Constants, s: State, x: Sample[float], y: float) -> None:
 def update(
     c: Constants, s: State, h: float, k: float, residual: float, variance: float, mean: float
 ) -> float:
-    """Update the speed's filter by a reading of ``h`` v + ``k`` ln(slip/z) with its variance.
+    """Update the filter of the speed by a reading of ``h`` v + ``k`` ln(slip/z).
 
-    Return the ``residual`` in standard deviations. No tyre slips by more than z, or by less than
-    1/3000 of it. ``mean`` expected residual if a_x errs by the unexplained brake force.
+    Return the ``residual`` in standard deviations. ``mean`` is the residual to expect if the
+    unexplained brake force is an error of a_x. The slip stays between z/3000 and z.
     """
     f: SpeedFilter = s.speed
     e: Check = s.check
@@ -244,7 +244,7 @@ def update(
 
 
 def reset_speed(c: Constants, s: State) -> None:
-    """Take the speed of the rims, with a_x as it usually is."""
+    """Reset the speed to that of the rims, and slip, offset and scale to their priors."""
     f: SpeedFilter = s.speed
     f.v, f.slip, f.offset, f.scale = 0.0, c.log_slip, 0.0, c.scale
     f.var_v, f.var_slip, f.var_offset, f.var_scale = 1.0, c.var_log_slip, c.var_offset, c.var_scale
@@ -255,9 +255,9 @@ def reset_speed(c: Constants, s: State) -> None:
 
 
 def motor_fits(c: Constants, s: State, x: Sample[float], *, counts: bool) -> bool:
-    """Whether a change of a motor's torque shows in the deceleration.
+    """Return whether a change of a motor's torque shows in the deceleration.
 
-    A wrong torque changes the demand by as much, which the brakes do not explain.
+    If it does not, the demand changes by as much as the torque, and no brake explains the change.
     """
     e: Check = s.check
     step, y = x.drive - e.drive, x.demand - s.demand.value
@@ -274,7 +274,7 @@ def motor_fits(c: Constants, s: State, x: Sample[float], *, counts: bool) -> boo
 def check_a_x(c: Constants, s: State) -> None:
     """Decide by the wheels whether an unexplained brake force is an error of a_x.
 
-    Once it is, it stays one until the force is explained again.
+    The decision that a_x errs stands until the brakes explain the force again.
     """
     e: Check = s.check
     if e.error == 0.0:
@@ -294,7 +294,7 @@ def check_a_x(c: Constants, s: State) -> None:
 
 
 def check_states(c: Constants, s: State, y: float, *, braking: bool, counts: bool) -> None:
-    """Check innovations and states for plausibility; follow the level before a step."""
+    """Check innovations and states for plausibility, and follow the level before a step of it."""
     e: Check = s.check
     check_a_x(c, s)
     if braking and counts and not s.errs:
@@ -322,7 +322,7 @@ def predict(
 ) -> None:
     """Predict the speed by a_x; ``bends`` is the change of the mean deceleration [1].
 
-    A brake force ``y`` that the earlier level does not explain comes of other pads, or of a_x.
+    Where the earlier level does not explain the brake force ``y``, the pads changed or a_x errs.
     """
     f: SpeedFilter = s.speed
     rims = rim_speed(s, x)
@@ -359,7 +359,7 @@ def predict(
 
 
 def update_wheels(c: Constants, s: State, y: float, *, braking: bool) -> None:
-    """Update speed, slip, offset and scale by the wheels; ``y`` is the brake force."""
+    """Update speed, slip, offset and scale by the wheel speeds; ``y`` is the brake force."""
     e: Check = s.check
     v, per_force = s.rim + s.speed.v, 0.0
     if braking:
@@ -406,12 +406,12 @@ def block_state(s: State, *, counts: bool) -> BlockState[float]:
 
 
 def held_variance(c: Constants, s: State, level: float) -> float:
-    """Variance that a held ratio gains by age, and by a level that changed, unlike on the axles."""
+    """Return the variance of a held ratio by its age and by a change of the level since then."""
     return c.walk_held * s.age + (c.unlike * math.log(level / s.level_then)) ** 2
 
 
 def share_of(c: Constants, width: float, held_width: float) -> float:
-    """Weight of a reading [1]: rises from 0 to 1 as it gets narrower than the held ratio."""
+    """Return the weight of a reading, 0 to 1: the more, the narrower than the held ratio it is."""
     return min(max((held_width / width - 1.0) / c.narrower, 0.0), 1.0)
 
 
@@ -428,7 +428,7 @@ def slip_evidence(
     """Update slip and level by the map, whose ln(slip/z) is ``by_map`` with its ``sigma``, (k,).
 
     Where the scale of a_x departs from its prior, or the slip from the map, by more than is
-    trusted, the cause may be another fault: the excess of its square is a further variance of both.
+    trusted, another fault may be the cause: the excess of the square adds to the variances.
     """
     residual = by_map - s.log_slip
     doubt = np.maximum((s.scale - c.scale) ** 2 - c.trusted_scale, 0.0)
@@ -451,14 +451,13 @@ def slip_evidence(
 
 
 def eta_error(c: Constants, s: BlockState[Array], z: Array) -> Array:
-    """Standard deviation of the mean of eta - 1 (k,).
+    """Return the standard deviation of the mean of eta - 1 (k,).
 
-    Its causes are the noise of the wheels, the zero, a mean over decelerations that differ, a load
-    transfer that follows z late, and the road.
+    Its causes are noise of the wheels, the zero, z that changes within the mean, and the road.
     """
     speed = np.maximum(s.speed, 1.0)
     wheels = c.var_rim / (np.maximum(s.blocks, 1.0) * speed * speed)
-    # While z changes, late axle loads change the slips, and the means are off the curve eta(z).
+    # While z changes, late axle loads change the slips, and the means leave the curve eta(z).
     # Both errors grow with the variance of z in the means.
     var_z = np.maximum(s.z_squared - z * z, 0.0)
     slip, curved = np.exp(s.log_slip) * z, s.shift / (z * z)
@@ -470,7 +469,7 @@ def eta_error(c: Constants, s: BlockState[Array], z: Array) -> Array:
 def reason_of(
     c: Constants, x: Sample[Array], s: BlockState[Array], level: Array, of_map: Mask
 ) -> Array:
-    """The first `Reason` that applies to blocks (k,); ``level`` of the pads [1]."""
+    """Return the `Reason` of blocks (k,): the last line that applies; ``level`` of the pads [1]."""
     why = np.where(of_map, Reason.VALID, Reason.BEYOND_MAP)
     why = np.where((level <= c.least_level) | (level >= c.most_level), Reason.NO_PAD, why)
     why = np.where(s.checks > 0.0, Reason.IMPLAUSIBLE, why)

@@ -2,8 +2,7 @@ r"""Estimate pads and torques of one log, causally and at its own rate.
 
     log -> known effects out -> signals -> step of the table -> pad friction, torque, intervals
 
-The step is in `calib.estimation.step`. `calib.estimation.baselines` has other methods to compare
-with.
+The step is in `calib.estimation.step`, other methods are in `calib.estimation.baselines`.
 """
 
 from dataclasses import dataclass, replace
@@ -52,32 +51,25 @@ COLUMNS = {
 }
 """Columns of an estimate as a table and as a file, in their order, with their units.
 
-Those with ``ecu_`` are what the table gives without a speed; ``ecu_reason`` is a
+Those with ``ecu_`` are answers without a measured speed v; ``ecu_reason`` is a
 `calib.estimation.reasons.Reason`.
 """
 
 
 @dataclass(frozen=True)
 class Estimate(Viewable):
-    """The estimate of one log, at its rate, with its inputs.
+    """The estimate of one log, at the rate of the log, with the inputs of the estimate."""
 
-    ``table`` with the car as driven; ``car`` this car with nominal pads and all known effects;
-    ``run`` the log with its gaps filled; ``ran`` the samples of the log without known effects, with
-    the factors of these effects on the pad friction; ``read`` the signals of ``ran``, ``forces``
-    their balance; ``noise`` of the sensors; ``best`` the answer by all channels, ``ecu`` the answer
-    without a speed; ``unfit`` reasons why no sample counts, else empty.
-    """
-
-    table: Table
-    car: Vehicle
-    run: Run
-    ran: CorrectedRun
-    read: Signals
-    forces: BrakeBalance
+    table: Table  # with the car as driven
+    car: Vehicle  # with nominal pads and all known effects
+    run: Run  # log with its gaps filled
+    ran: CorrectedRun  # samples without known effects, whose factors on pad friction it has
+    read: Signals  # of ``ran``
+    forces: BrakeBalance  # of ``read``
     noise: SensorNoise
-    best: Readout
-    ecu: Readout
-    unfit: tuple[str, ...] = ()
+    best: Readout  # answer by all channels
+    ecu: Readout  # answer without v
+    unfit: tuple[str, ...] = ()  # reasons why no sample counts
 
     def __repr__(self) -> str:
         text = f"Estimate: {self.time.size} samples, {np.count_nonzero(self.valid)} valid"
@@ -113,18 +105,18 @@ class Estimate(Viewable):
 
     @property
     def refused(self) -> dict[str, Mask]:
-        """Samples in which the pads bite and the ECU has no answer, (n,) each, by reason."""
+        """Samples (n,) in which the pads bite and the ECU has no valid answer, by reason."""
         reasons = [reason for reason in Reason if reason is not Reason.VALID]
         by_ecu = {reason.words: self.bites & (self.ecu.step.reason == reason) for reason in reasons}
         return dict.fromkeys(self.unfit, self.bites) | by_ecu
 
     @property
     def zeros(self) -> tuple[float, float]:
-        """Eta (22) and slip [1] before the first bite, without known effects: by the present radii.
+        """Eta (22) and slip [1] before the first bite, by the present radii.
 
-        Without a lead-in they are those of the car's radii, within one per cent.
+        Without a lead-in both are those of the car's radii, within one per cent.
         """
-        step, last = self.best.step, int(np.argmax(self.bites)) - 1  # without a bite the last one
+        step, last = self.best.step, int(np.argmax(self.bites)) - 1  # -1 without a bite
         return float(step.zero_eta[last]), float(step.zero_slip[last])
 
     @property
@@ -153,13 +145,13 @@ class Estimate(Viewable):
         )
 
     def columns(self) -> dict[str, Array | Mask | Index]:
-        """The samples by the names of `COLUMNS`, (n,) each; both wheels of an axle are equal."""
+        """Return the columns (n,) by the names of `COLUMNS`; both wheels of an axle are equal."""
         best, ecu = self.best.columns() | {"valid": self.valid}, self.ecu.columns()
         columns = self.time, self.read.z, self.eta, *self.normalised, *best.values(), *ecu.values()
         return dict(zip(COLUMNS, (*columns, self.ecu.step.reason), strict=True))
 
     def to_frame(self) -> "pd.DataFrame":
-        """`columns` as a frame, one row per sample; the units are in its ``attrs["units"]``.
+        """Return `columns` as a frame of one row per sample, with units in ``attrs["units"]``.
 
         Raises BrakeCalError without the extra `frames`.
         """
@@ -185,8 +177,8 @@ def estimate(
     log : the run, with an unbraked lead-in in which eta is zeroed.
     vehicle : nominal pads, if they are not the table's, and known effects, which are added to the
         table's and take precedence.
-    mass : of the car in this log [kg], if it is not that of the table's vehicle.
-    exported : the table as an ECU reads it, for ``ecu``, see `calib.table.exported`.
+    mass : mass of the car in this log [kg], if not that of the table's vehicle.
+    exported : the table as an ECU reads it, for `Estimate.ecu`, see `calib.table.exported`.
 
     Raises StoreError for a table without maps, LogError for a log without a block. Without a
     lead-in the radii are those of the vehicle, within one per cent, and eta says little.
@@ -209,7 +201,7 @@ def estimate(
 def run_of(
     table: Table, log: Log, vehicle: Vehicle | None = None, mass: float | None = None
 ) -> Run:
-    """The run of a log with the table's car and all known effects; arguments as in `estimate`."""
+    """Return the run of a log with the table's car and known effects, arguments as `estimate`."""
     effects = table.vehicle.effects.with_(vehicle.effects if vehicle else Effects())
     return Run(log, with_mass(replace(table.vehicle, effects=effects), mass))
 
@@ -247,7 +239,7 @@ def estimate_run(
 
 
 def _filled(run: Run) -> tuple[Run, Index]:
-    """The run with its gaps filled linearly (m,), and the rows of its own samples (n,)."""
+    """Return the run with its gaps filled linearly (m,), and the rows of its own samples (n,)."""
     rows = rows_of(run.log)
     if rows.size > rows[-1]:
         return run, rows

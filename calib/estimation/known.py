@@ -20,14 +20,14 @@ from calib.table.table import Table
 
 @lru_cache(maxsize=4)
 def as_driven(table: Table, car: Vehicle) -> Table:
-    """The table with the ``car`` as driven, cached so that the logs of a batch share its maps."""
+    """Return the table with the ``car`` as driven; the logs of a batch share the cached table."""
     return replace(table, vehicle=car)
 
 
 def nominal_car(table: Table, vehicle: Vehicle | None = None) -> Vehicle:
-    """The table's car with nominal pads: those of ``vehicle`` if given, else by the calibration.
+    """Return the table's car with the pads of ``vehicle``.
 
-    The latter have the ratio of the file and the common level of the pads on the ramp.
+    Without a ``vehicle`` the pads have the ratio of the table's file and the level of the ramp.
     """
     car, pads = table.vehicle, vehicle or table.vehicle
     scale = 1.0 if vehicle else math.exp(pad_levels(car, table.calibration).level)
@@ -35,12 +35,12 @@ def nominal_car(table: Table, vehicle: Vehicle | None = None) -> Vehicle:
 
 
 def known_effects(table: Table) -> Effects:
-    """Drag and rolling resistance of the fit; known effects of the vehicle take precedence."""
+    """Return resistance of the fit and known effects of the vehicle, which take precedence."""
     return table.effects.with_(table.vehicle.effects)
 
 
 def require_plain(table: Table) -> None:
-    """Raise StoreError for effects that the code does not take out."""
+    """Raise StoreError for known effects that the C code does not take out."""
     others = [name for name in known_effects(table).described if name not in RESISTANCE]
     if others:
         raise StoreError(
@@ -51,19 +51,17 @@ def require_plain(table: Table) -> None:
 
 
 def known_resistance(table: Table) -> Resistance:
-    """The resistance of the fit. The errors of its parameters are taken as independent."""
+    """Return the resistance of the fit, with independent errors of drag and rolling resistance."""
     drag, rolling = (table.effects.sigma[effect][name] for effect, name in (DRAG, ROLLING))
     covariance = ((drag**2, 0.0), (0.0, rolling**2))
     return Resistance(known_effects(table), covariance, specified=True)
 
 
 def known_slips(table: Table, road: ForceBalance) -> Pair:
-    """Slip of both axles [1] (n,) by known effects: the whole slip less that by brakes alone.
+    """Return the slip of both axles [1] (n,) by known effects: that with them less that without.
 
-    Slips follow from the tyre curve of the table, with pads of the ramp's ratio. In the whole slip
-    the force of an axle includes engine, motor and other effects, and its load the whole
-    deceleration and the load shift of known effects. On a road of another stiffness than the ramp's
-    the slip has the relative error of the stiffness.
+    ``road`` has the forces of the car. Slips follow from the tyre curve of the table, with pads of
+    the ramp's ratio. The slip has the relative error of the stiffness of the road against the ramp.
     """
     car = table.vehicle
     alone = road.demanded / (1.0 + sum(rotating_shares(car)))

@@ -12,19 +12,14 @@ PASSED, WARNING, FAILED, NOT_KNOWN = "passed", "warning", "failed", "not known"
 
 @dataclass(frozen=True)
 class Limit:
-    """Allowed range of a metric; any end may be open (None).
+    """Allowed range of a metric; any end may be open (None)."""
 
-    A metric outside ``low`` to ``high`` fails, one outside ``warn_low`` to ``warn_high`` warns. A
-    metric that a log cannot give (without truth, for example) is not known, and fails where it is
-    ``required``. ``figure`` is the key of the metric.
-    """
-
-    figure: str
-    low: float | None
+    figure: str  # key of the metric
+    low: float | None  # a metric outside of low to high fails
     high: float | None
-    warn_low: float | None = None
+    warn_low: float | None = None  # a metric outside of warn_low to warn_high warns
     warn_high: float | None = None
-    required: bool = False
+    required: bool = False  # whether a metric that the log cannot give fails
 
 
 @dataclass(frozen=True)
@@ -38,11 +33,9 @@ class Judgement(Limit):
         """`PASSED`, `WARNING`, `FAILED` or `NOT_KNOWN`."""
         if self.value is None:
             return FAILED if self.required else NOT_KNOWN
-        allowed, quiet = (
-            (low is None or self.value >= low) and (high is None or self.value <= high)
-            for low, high in ((self.low, self.high), (self.warn_low, self.warn_high))
-        )
-        return FAILED if not allowed else PASSED if quiet else WARNING
+        if not _within(self.value, self.low, self.high):
+            return FAILED
+        return PASSED if _within(self.value, self.warn_low, self.warn_high) else WARNING
 
     @property
     def outcome(self) -> dict[str, bool | None]:
@@ -51,12 +44,16 @@ class Judgement(Limit):
         return {"passed": passed, "warned": self.verdict == WARNING}
 
     def warning(self, log: str) -> PlausibilityWarning:
-        """The warning of a value outside ``warn_low`` to ``warn_high``."""
+        """Return the warning of a value outside ``warn_low`` to ``warn_high``."""
         assert self.value is not None
         cause = f"a stop, a sensor or pads that are not as usual: {METRICS[self.figure].meaning}"
         do = "look at this stop with `brake-cal check` and `brake-cal plot`"
         ends = self.warn_low, self.warn_high
         return PlausibilityWarning(self.figure, log, self.value, ends, (cause,), do)
+
+
+def _within(value: float, low: float | None, high: float | None) -> bool:
+    return (low is None or value >= low) and (high is None or value <= high)
 
 
 DEFAULTS: tuple[Limit, ...] = tuple(
@@ -66,11 +63,11 @@ DEFAULTS: tuple[Limit, ...] = tuple(
 )
 """Limits of a stop when the user gives none, in the order of `calib/base/metrics.csv`.
 
-They judge whether an ECU has an answer, and whether its interval agrees with the truth, or with the
-estimate with v. How large an error or an interval may be, the user decides.
+They judge whether an ECU has an answer, and whether the interval of the answer agrees with the
+truth or the estimate with v. The user decides how large errors and intervals may be.
 """
 
 
 def judge(limits: tuple[Limit, ...], figures: Mapping[str, float | None]) -> tuple[Judgement, ...]:
-    """The limits with the values of the metrics ``figures``, in their order."""
+    """Return the limits in their order with the values of the metrics ``figures``."""
     return tuple(Judgement(**vars(limit), value=figures.get(limit.figure)) for limit in limits)

@@ -5,7 +5,7 @@
     valid_share = { min = 0.7 }
     pad_scale = { fail = [0.8, 1.2], warn = [0.9, 1.1], required = true }
 
-``min`` and ``max`` are the ends of ``fail``, one by one. `-inf` and `inf` leave an end open.
+``min`` and ``max`` are the single ends of ``fail``. `-inf` and `inf` leave an end open.
 """
 
 from collections.abc import Collection
@@ -16,7 +16,7 @@ from typing import Annotated, Any, ClassVar, Self
 from pydantic import BeforeValidator, Field, FiniteFloat, create_model, model_validator
 
 from calib.base.errors import LimitsError
-from calib.base.plain import MetricLimits
+from calib.base.plain import MetricLimits, finite_or_none
 from calib.base.record import FileSchema, Section, by_name, read_toml
 from calib.base.record_errors import wrong
 from calib.estimation.limits import Limit
@@ -86,6 +86,6 @@ def read_limits(path: Path, metrics: Collection[str]) -> tuple[Limit, ...]:
     if not entries:
         raise LimitsError("no limits in it", where=path, expected="metrics in the table [limits]")
     return tuple(
-        Limit(name, *MetricLimits(*(x if isfinite(x) else None for x in one.ends)), one.required)
-        for name, one in entries
+        Limit(name, *MetricLimits(*map(finite_or_none, limit.ends)), limit.required)
+        for name, limit in entries
     )

@@ -1,7 +1,7 @@
-"""Metrics of an estimate: errors against the truth where the log has one, else its consistency.
+"""Metrics of an estimate: errors against the truth of the log if known, else consistency.
 
-Two answers are scored alike: the best answer, by all channels, and the answer of an ECU without a
-speed, whose metrics begin with ``ecu_``.
+Two answers are scored alike: the best answer, by all channels, and the answer of an ECU without v,
+whose metrics begin with ``ecu_``.
 """
 
 from typing import Any, NamedTuple
@@ -22,21 +22,18 @@ METRICS: dict[str, str] = meanings("stop")
 
 Figures = dict[str, float | None]
 
-_FEWEST = 30  # samples of a mean
+_FEWEST = 30  # least number of samples of a mean
 
 
 class Truth(NamedTuple):
-    """Truth of front and rear axle, (2, n): pad friction [1] and torque of one wheel [N m].
+    """Truth of front and rear axle, (2, n) each."""
 
-    Pad friction is NaN in samples in which it is not known.
-    """
-
-    pad_friction: Array
-    torque: Array
+    pad_friction: Array  # [1], NaN where not known
+    torque: Array  # of one wheel [N m]
 
 
 def truth_of(e: Estimate) -> Truth | None:
-    """Truth of both axles if the log has the torque of its wheels, else None.
+    """Return the truth of both axles if the log has the torque of its wheels, else None.
 
     Without truth channels of the pads, their friction follows from (2) with the vehicle's geometry.
     """
@@ -62,11 +59,11 @@ _NAMES = {
     "torque_error_level": "level_error",
     "ecu_truth": "true",
 }
-"""Parts of the name of a metric that are not what metric and side together give."""
+"""Parts of a composed name, with the parts that replace them."""
 
 
 def score(e: Estimate) -> Figures:
-    """All `METRICS` of one log; None where it cannot give one."""
+    """Return all `METRICS` of one log, None for those that the log cannot give."""
     truth, counted = truth_of(e), counted_samples(e)
     valid, by_ecu = e.valid & counted, e.ecu.valid & counted & (not e.unfit)
     figures: dict[str, Any] = {
@@ -102,21 +99,21 @@ def score(e: Estimate) -> Figures:
 
 
 def counted_samples(e: Estimate) -> Mask:
-    """Braked samples above 3 m/s (n,): the whole of which metrics tell a share."""
+    """Return the braked samples above 3 m/s (n,), to which shares refer."""
     return e.braked & (e.read.speed > MOVING)
 
 
 def share(part: Mask, whole: Mask) -> float:
-    """Share of the ``whole`` that is also in ``part`` [1]; 0 of nothing, which must not pass."""
+    """Return the share of the ``whole`` in ``part`` [1]: 0 of nothing, which must not pass."""
     return float(np.sum(part & whole)) / max(float(np.sum(whole)), 1.0)
 
 
 def _of_answer(
     answer: Readout, truth: Truth | None, valid: Mask, counted: Mask
 ) -> dict[str, Array]:
-    """Metrics by side (3,) over the ``valid`` samples; those of torques over ``counted`` ones."""
+    """Return metrics by side (3,) over ``valid`` samples, of torques over ``counted`` ones."""
     metrics: dict[str, Array] = {}
-    pads = np.array([answer.pads_f, answer.pads_r, answer.level])  # each with its bounds
+    pads = np.array([answer.pads_f, answer.pads_r, answer.level])  # (side, value and bounds, n)
     x = Bounded(*pads[..., valid].swapaxes(0, 1))
     third = x.value.shape[1] // 3  # samples in a third of the stop
     if 3 * third >= _FEWEST:
@@ -147,15 +144,14 @@ def _of_answer(
 
 
 def departure(ecu: Bounded, best: Bounded, valid: Mask) -> float:
-    """Rms of ln(ecu/best) over the standard deviation of this difference [1], ``valid`` samples.
+    """Return the rms of ln(ecu/best) over its standard deviation [1], at ``valid`` samples.
 
     Both answers are means over the same draws of the ramp, and ``best`` knows v as well. So
 
         var(ln best - ln ecu) = var(ln truth | channels of the ECU) - var(ln truth | v as well)
 
-    and the common errors of the ramp cancel: v may contradict the maps, but cannot show an error of
-    the ramp. The deviation counts as at least half of the ECU's own, since interpolated bounds need
-    not get narrower by v.
+    and common errors of the ramp cancel. The deviation counts as at least half of the ECU's, since
+    interpolated bounds need not get narrower by v.
     """
     of_ecu, of_best = ecu.sigma[valid], best.sigma[valid]
     spread = np.sqrt(np.maximum(of_ecu**2 - of_best**2, (0.5 * of_ecu) ** 2))
@@ -163,14 +159,13 @@ def departure(ecu: Bounded, best: Bounded, valid: Mask) -> float:
 
 
 def _rms(x: Array) -> Array:
-    """Root mean square over the last axis."""
     return np.asarray(np.sqrt(np.mean(np.square(x), axis=-1)))
 
 
 def baseline_errors(e: Estimate) -> dict[str, tuple[float, float]]:
-    """Rms relative error of front and rear pad friction by each method, over valid samples.
+    """Return the rms relative error of front and rear pad friction by method, at valid samples.
 
-    Without a truth the errors are those against the best estimate with v; without v there are none.
+    Without a truth the errors are those against the best estimate, and there are none without v.
     A method that gives NaN is left out.
     """
     truth = truth_of(e)
@@ -186,14 +181,13 @@ def baseline_errors(e: Estimate) -> dict[str, tuple[float, float]]:
 
 
 def budget(e: Estimate) -> tuple[Parts, Parts] | None:
-    """Budgets of the front and the rear pads: the variance of each, split by its cause.
+    """Return the variance of the front and of the rear pads by cause; None without valid samples.
 
         ln mu = ln level + lever ln ratio     lever: share of the other axle in the brake force
 
     Causes of errors of the level: mass and resistance, accelerometer, noise. Causes of errors of
-    the ratio: eta, tyres and pads on the ramp, and changes in the stop. The budget is that of the
-    valid sample with the median interval of the axle, to whose variance the parts add up. None
-    without a valid sample.
+    the ratio: eta, tyres and pads on the ramp, and changes in the stop. The parts add up to the
+    variance at the valid sample with the median interval of the axle.
     """
     if not e.valid.any():
         return None
@@ -201,15 +195,15 @@ def budget(e: Estimate) -> tuple[Parts, Parts] | None:
 
 
 def _of_axle(e: Estimate, pads: Bounded, axle: int) -> Parts:
-    """Budget of the ``pads`` of an axle, 0 for the front one and 1 for the rear one."""
+    """Return the budget of the ``pads`` of an axle, 0 for the front one and 1 for the rear one."""
     step, draws = e.best.step, e.table.draws
     order = np.argsort(np.where(e.valid, pads.upper / pads.lower, np.inf), kind="stable")
-    i = order[(np.count_nonzero(e.valid) - 1) // 2]  # the earlier one of an even number
+    i = order[(np.count_nonzero(e.valid) - 1) // 2]  # the narrower of the two in the middle
     share = front_share(e.table.vehicle, float(step.ratio[0, i]))
     lever = (1.0 - share, share)[axle] ** 2
     ramp = lever * np.var(draws.log_pad_ratio)
     total, level = (x.sigma[i] ** 2 for x in (pads, e.best.level))
-    # the last cause of each takes the remainder of the variance
+    # the last cause of level and of ratio takes the remainder of the variance
     of_level = ("accelerometer", step.accelerometer[i]), ("noise", step.noise[i]), ("mass", np.inf)
     of_ratio = ("zeros", lever * step.zeros[i]), ("tyres", ramp), ("unlike_pads", np.inf)
     parts = {}

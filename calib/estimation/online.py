@@ -29,24 +29,22 @@ from calib.table.table import Table
 class Variable(NamedTuple):
     """A variable of the ECU or of an FMU, in SI: a row of `variables.csv`, with its columns.
 
-    A working sensor reads ``low`` to ``high``, and changes by at most ``jump`` + ``rate`` dt over a
-    time dt. ``estimator`` and ``car`` are causality and variability in the FMU of each, "" where
-    the FMU does not have the variable.
+    A working sensor changes by at most ``jump`` + ``rate`` dt over a time dt.
     """
 
-    estimator: str
-    car: str
+    estimator: str  # causality and variability in the FMU of the estimator, "" if not in it
+    car: str  # the same in the FMU of the car
     name: str
     unit: str
     meaning: str
-    low: float
+    low: float  # least and largest reading of a working sensor
     high: float
     jump: float
     rate: float
 
 
 def _read(row: dict[str, str]) -> Variable:
-    """The variable of a row; an empty number is NaN."""
+    """Return the variable of a row; an empty number is NaN."""
     estimator, car, name, unit, meaning, *numbers = row.values()
     return Variable(estimator, car, name, unit, meaning, *(float(x or "nan") for x in numbers))
 
@@ -57,23 +55,24 @@ CHANNELS = {x.name: x for x in VARIABLES.values() if "input" in x.estimator}
 
 P_MC, A_X, FL, FR, RL, RR, STEERING, DRIVEN, *_, ABS_ACTIVE = range(len(CHANNELS))
 OMEGA, DRIVE = slice(FL, RR + 1), slice(DRIVEN + 1, DRIVEN + 3)
+"""Places of channels in a sample."""
 
 REASON = VARIABLES.pop("reason")
 ANSWERS = {x.name: x for x in VARIABLES.values() if "output" in x.estimator}
-"""Quantities of an answer (9, 3), each a median with its 95 % bounds; a `Reason` is besides."""
+"""Quantities of an answer (9, 3), each a median with its 95 % bounds, without the `Reason`."""
 
-_LONGEST_GAP = 10.0  # gap of a log [s] that counts at most: all but the zeros is forgotten by then
+_LONGEST_GAP = 10.0  # a longer gap of a log [s] counts as this: only the zeros last as long
 
 
 def rows_of(log: Log) -> Index:
-    """The row (n,) of each sample of a log in `samples_of`."""
-    steps, most = np.diff(log.time) / log.sample_time, _LONGEST_GAP / log.sample_time
-    missed = np.where(steps > GAP, np.round(np.minimum(steps, most)), 1.0)
-    return np.append(0, np.cumsum(missed)).astype(np.intp)
+    """Return the row (n,) of each sample of a log in `samples_of`."""
+    steps, longest = np.diff(log.time) / log.sample_time, _LONGEST_GAP / log.sample_time
+    advance = np.where(steps > GAP, np.round(np.minimum(steps, longest)), 1.0)
+    return np.append(0, np.cumsum(advance)).astype(np.intp)
 
 
 def samples_of(log: Log) -> Array:
-    """Samples of a log as an ECU would read them (m, 11), by `CHANNELS`; NaN in its gaps."""
+    """Return the samples of a log as an ECU reads `CHANNELS` (m, 11), NaN in gaps of the log."""
     rows = rows_of(log)
     samples = np.full((rows[-1] + 1, len(CHANNELS)), np.nan)
     nothing = np.zeros_like(log.time)
@@ -86,15 +85,15 @@ _FASTEST = 110.0  # speed that no car has [m/s]
 
 
 def limits(sample_time: float, car: Vehicle) -> tuple[Array, Array, Array]:
-    """Least and largest readings of `CHANNELS`, and largest changes between calls, (11,) each.
+    """Return least and largest readings of `CHANNELS`, and largest change per call, (11,) each.
 
     ``sample_time`` is the time between calls [s]. The torque of a motor is limited by the grip of
     the tyres of the ``car``, the wheel speeds by that of the fastest car.
     """
     sensors = CHANNELS.values()
     low, high, jump, rate = np.array([(x.low, x.high, x.jump, x.rate) for x in sensors]).T
-    most = [_GRIP * car.weight * axle.rolling_radius for axle in (car.front, car.rear)]
-    low[DRIVE], high[DRIVE] = np.negative(most), most
+    torque = [_GRIP * car.weight * axle.rolling_radius for axle in (car.front, car.rear)]
+    low[DRIVE], high[DRIVE] = np.negative(torque), torque
     high[OMEGA] = np.minimum(high[OMEGA], _FASTEST / car.front.rolling_radius)
     return low, high, np.minimum(jump + rate * sample_time, high - low)
 
@@ -104,10 +103,10 @@ READ_OUT = tuple(FIELDS[name] for name in ANSWERS)
 
 
 def online(table: Table, car: Vehicle, log: Log) -> Readout:
-    """Answers of an ECU with a ``table`` to a ``log``, of which it reads `CHANNELS` alone.
+    """Return the answers of an ECU with a ``table`` to the `CHANNELS` of a ``log``.
 
-    ``car`` as driven, with the known effects that the ECU takes out; pad frictions include them.
-    While a sensor fails, as in a gap of the log, its last good reading counts.
+    ``car`` is as driven, with the known effects that the ECU takes out; pad frictions include them.
+    While a sensor fails, as in a gap of the log, the last good reading counts.
     """
     rows, step = rows_of(log), log.sample_time
     _, readings, works = held_readings(samples_of(log), limits(step, car))
@@ -117,8 +116,8 @@ def online(table: Table, car: Vehicle, log: Log) -> Readout:
     run = Run(replace(log, channels=channels), car, causal=True)
     b, corrected = run.blocks, run.corrected
     fault = block_mean(np.where(good, 0.0, 1.0), b.samples) > 0.0
-    # Spin is a difference of two blocks, so a held reading makes that of its own block and of the
-    # next one wrong: both are taken from the deceleration.
+    # Spin is a difference of two blocks, so a held reading spoils the spin of its block and of the
+    # next one. The deceleration replaces both.
     wrong = fault | np.append(False, fault[:-1])
     spin_f = np.where(wrong, -G * b.z / car.front.rolling_radius, b.spin_f)
     spin_r = np.where(wrong, -G * b.z / car.rear.rolling_radius, b.spin_r)
@@ -137,10 +136,10 @@ def online(table: Table, car: Vehicle, log: Log) -> Readout:
 
 
 def answered(table: Table, sample_time: float, samples: Array) -> Array:
-    """Reasons and answers (n, 28) to ``samples`` (n, 11), a block or more, as `bte_run` has them.
+    """Return answers (n, 28) to ``samples`` (n, 11) of a block or more, as `bte_run` of the C code.
 
-    ``sample_time`` is that of the ECU's task [s]. A row has a `Reason`, then `ANSWERS`, each a
-    median with its bounds; all are finite.
+    ``sample_time`` is that of the ECU's task [s]. A row has the `Reason`, then `ANSWERS` with their
+    bounds; all are finite.
     """
     time = sample_time * np.arange(len(samples), dtype=np.float64)
     channels = {"time": time, **dict(zip(CHANNELS, samples.T, strict=True))}
@@ -151,10 +150,10 @@ def answered(table: Table, sample_time: float, samples: Array) -> Array:
 def held_readings(
     x: Array, bounds: tuple[Array, Array, Array], last_readings: tuple[Array, Array] | None = None
 ) -> tuple[Array, Array, Mask]:
-    """Last readings in range, last good readings, and whether sensors work, at samples ``x``.
+    """Return the last readings in range, the last good ones, and whether sensors work, of ``x``.
 
-    All are (n, 11). A reading is good that is in range and no jump. ``bounds`` by `limits`;
-    ``last_readings`` in range and good ones before the samples, (11,) each, None at the start.
+    ``x`` and the results are (n, 11); a good reading is in range and no jump. ``bounds`` are from
+    `limits`, ``last_readings`` the first two results before ``x``, (11,) each, None at the start.
     """
     low, high, jump = bounds
     inside = (x >= low) & (x <= high)
@@ -167,6 +166,6 @@ def held_readings(
 
 
 def _last(x: Array, good: Mask, first: Array) -> Array:
-    """The last ``good`` value of each column of ``x`` (n, k); before the first, ``first`` (k,)."""
+    """Return the last ``good`` value by column of ``x`` (n, k); ``first`` (k,) before any."""
     rows = np.maximum.accumulate(np.where(good, 1 + np.arange(len(x))[:, None], 0))
     return np.take_along_axis(np.vstack([first, x]), rows, axis=0)

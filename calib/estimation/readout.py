@@ -50,7 +50,7 @@ class Bounded(NamedTuple):
 
 @dataclass(frozen=True)
 class Readout:
-    """The answer of the step for each sample, (n,), and the pads and torques by this answer.
+    """Answer of the step for each sample (n,), and the pads and torques by this answer.
 
     Pad frictions are without known effects, torques are those that act.
     """
@@ -65,7 +65,7 @@ class Readout:
     change_r: Bounded
     torque_f: Bounded  # of one wheel [N m]
     torque_r: Bounded
-    torque_sum: Bounded  # of all
+    torque_sum: Bounded  # of all wheels
 
     @property
     def valid(self) -> Mask:
@@ -73,21 +73,22 @@ class Readout:
         return np.asarray(self.step.reason == Reason.VALID)
 
     def with_pads(self, factor_f: Array, factor_r: Array) -> "Readout":
-        """The same with pad frictions times a factor (n,)."""
-        pads_f, pads_r = (
-            Bounded(*(factor * x for x in pads))
-            for pads, factor in ((self.pads_f, factor_f), (self.pads_r, factor_r))
-        )
+        """Return the readout with pad frictions times a factor (n,)."""
+        pads_f = Bounded(*(factor_f * x for x in self.pads_f))
+        pads_r = Bounded(*(factor_r * x for x in self.pads_r))
         return replace(self, pads_f=pads_f, pads_r=pads_r)
 
     def take(self, rows: Index) -> "Readout":
-        """The samples at ``rows`` alone."""
-        bounded = ((name, x) for name, x in vars(self).items() if isinstance(x, Bounded))
-        at_rows: dict[str, Any] = {name: Bounded(*(y[rows] for y in x)) for name, x in bounded}
+        """Return the samples at ``rows`` alone."""
+        bounded = {name: x for name, x in vars(self).items() if isinstance(x, Bounded)}
+        at_rows: dict[str, Any] = {
+            name: Bounded(x.value[rows], x.lower[rows], x.upper[rows])
+            for name, x in bounded.items()
+        }
         return replace(self, step=self.step.take(rows), **at_rows)
 
     def columns(self) -> dict[str, Array | Mask]:
-        """The columns of an answer by the names of `UNITS`, in their order."""
+        """Return the columns of an answer by the names of `UNITS`, in the same order."""
         columns: list[Array] = []
         for name in FIELDS.values():
             field = getattr(self, name)
@@ -103,10 +104,12 @@ FIELDS = (
     | {"pad_level": "level", "pad_ratio": "ratio", "brake_torque_sum": "torque_sum"}
 )
 """Fields of a `Readout` by their columns; both wheels of an axle have the same torque."""
+ENDS = "", "_lower", "_upper"
+"""Ends of the names of a median and of its bounds."""
 UNITS = {
     f"{name}{end}": "N*m" if "torque" in name else "1"
     for name in FIELDS
-    for end in (("",) if name == "valid" else ("", "_lower", "_upper"))
+    for end in (ENDS[:1] if name == "valid" else ENDS)
 }
 """Columns of an answer as a table and as a file, with their units."""
 
@@ -122,19 +125,17 @@ def read_out(
     """Run the step of a ``table`` over the signals of a log.
 
     The table's vehicle is as driven, with the pads of the file. ``b`` are means of the signals
-    ``s`` over blocks; ``disturbed`` (n,) as by `disturbances`; ``driven`` (n,) whether the
+    ``s`` over blocks, ``disturbed`` (n,) is as by `disturbances`, and ``driven`` (n,) whether the
     accelerator is pressed.
     """
-    in_blocks = slice(b.end.size * b.samples)
-    worst, thrust = (
-        np.broadcast_to(x, s.time.shape)[in_blocks].reshape(-1, b.samples).max(axis=1)
-        for x in (disturbed, driven)
-    )
-    x = step_inputs(table, b, worst, thrust)
+    whole = b.end.size * b.samples  # samples in whole blocks
+    reason = disturbed[:whole].reshape(-1, b.samples).max(axis=1)
+    pressed = np.broadcast_to(driven, s.time.shape)[:whole].reshape(-1, b.samples).max(axis=1)
+    x = step_inputs(table, b, reason, pressed)
     c = constants(table, noise, b.length)
     answer = with_before(c, run(c, x))
     block = np.searchsorted(b.end, s.time, side="right")  # the last complete one, 0 before any
-    bounded = [quantity[:, block] for quantity in of_blocks(table, x, answer)]
+    bounded = [quantity[:, block] for quantity in pads_of_blocks(table, x, answer)]
     level, _, pads_f, pads_r, *_ = bounded
     bounded += torques_of(table.vehicle, (s.p_f, s.p_r), level, (pads_f, pads_r))
     return Readout(x, answer.take(block), *itertools.starmap(Bounded, bounded))
@@ -143,36 +144,33 @@ def read_out(
 def torques_of(
     car: Vehicle, pressures: tuple[Array | float, Array | float], level: Array, pads: Pair
 ) -> tuple[Array, Array, Array]:
-    """Torque of a front, of a rear wheel and of all [N m], each with its bounds (3, n).
+    """Return the torque of a front wheel, a rear wheel and all [N m], with bounds (3, n) each.
 
-    ``pressures`` of the axles [Pa] (n,); their ``level`` and ``pads`` [1] with bounds (3, n).
+    ``pressures`` are those of the axles [Pa] (n,); ``level`` and ``pads`` [1] have bounds (3, n).
     """
-    gains = (
-        axle.torque_gain * np.maximum(pressure, 0.0)
-        for axle, pressure in zip((car.front, car.rear), pressures, strict=True)
-    )
-    front, rear = (gain * friction for gain, friction in zip(gains, pads, strict=True))
+    front = car.front.torque_gain * np.maximum(pressures[0], 0.0) * pads[0]
+    rear = car.rear.torque_gain * np.maximum(pressures[1], 0.0) * pads[1]
     return front, rear, level / level[0] * 2.0 * (front[0] + rear[0])
 
 
-def of_blocks(table: Table, x: Sample[Array], answer: Answer) -> tuple[Array, ...]:
-    """Level, ratio, pads of both axles and their change since the ramp, each with its bounds.
+def pads_of_blocks(table: Table, x: Sample[Array], answer: Answer) -> tuple[Array, ...]:
+    """Return level, ratio, pads of both axles, and their change since the ramp, (3, 1 + k) each.
 
-    ``x`` of blocks (k,), ``answer`` before the first and of each, (1 + k,).
+    ``x`` are the inputs of blocks (k,), ``answer`` is that of `with_before` (1 + k,).
     """
     car, calibration = table.vehicle, table.calibration
     share = front_share(car, np.append(x.log_odds[0], x.log_odds))
     file_pads = np.array([car.front.pad_friction, car.rear.pad_friction])
     ramp_pads = np.array([calibration.pad_friction_f.value, calibration.pad_friction_r.value])
     change = answer.change + calibration.pad_log_ratio.value
-    scaled = (file_pads, answer.ratio), (file_pads / ramp_pads, change)
-    pads, changed = (by[:, None, None] * _pads_of(share, answer.level, x) for by, x in scaled)
+    pads = file_pads[:, None, None] * _pads_of(share, answer.level, answer.ratio)
+    changed = (file_pads / ramp_pads)[:, None, None] * _pads_of(share, answer.level, change)
     level, ratio = np.exp(answer.level), np.exp(answer.ratio)
     return level, file_pads[0] / file_pads[1] * ratio, *pads, *changed
 
 
 def with_before(c: Constants, answer: Answer) -> Answer:
-    """Answers (1 + k,) of k blocks; the first, any pads, is for the time before a block ends."""
+    """Return the answers of k blocks behind one, any pads, for the time before a block ends."""
     answer = answer.take(np.append(0, np.arange(answer.reason.size)))
     for x in (answer.level, answer.ratio, answer.change):
         x[:, 0] = np.log([1.0, c.least_level, c.most_level])
@@ -181,9 +179,9 @@ def with_before(c: Constants, answer: Answer) -> Answer:
 
 
 def step_inputs(table: Table, b: Blocks, disturbed: Index, driven: Mask) -> Sample[Array]:
-    """Inputs of the step by block (k,), without known resistance and slips by known effects.
+    """Return the inputs of the step (k,), without known resistance and slips by known effects.
 
-    ``disturbed`` is the number of a `Reason` of each block (k,); the others as in `read_out`.
+    ``disturbed`` is the `Reason` of each block (k,), ``driven`` whether the accelerator is pressed.
     """
     car = table.vehicle
     brake_f, brake_r = brake_forces(car, b.p_f, b.p_r)
@@ -209,10 +207,10 @@ def step_inputs(table: Table, b: Blocks, disturbed: Index, driven: Mask) -> Samp
 
 
 def _pads_of(share: Array, level: Array, ratio: Array) -> Array:
-    """Front and rear pads over those of the file [1], each with bounds (2, 3, k), by (S14), (S15).
+    """Return front and rear pads over those of the file [1], with bounds (2, 3, k), (S14), (S15).
 
-    ``share`` of the front axle with the file's pads (k,), ln of ``level`` and ``ratio`` (3, k).
-    Errors of level and ratio are independent: distances to the bounds add up as squares.
+    ``share`` is that of the front axle with the file's pads (k,), ``level`` and ``ratio`` are
+    logarithms (3, k) with independent errors: distances to the bounds add up as squares.
     """
     rear = -np.log(share * np.exp(ratio) + 1.0 - share)
     by_ratio = np.stack([ratio + rear, rear[[0, 2, 1]]])  # a higher ratio means weaker rear pads

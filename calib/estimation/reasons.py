@@ -23,7 +23,7 @@ class Reason(IntEnum):
     words: str
 
     def __new__(cls, value: int, words: str) -> "Reason":
-        """A number with its ``words``."""
+        """Return the number ``value`` with its ``words``."""
         member = int.__new__(cls, value)
         member._value_, member.words = value, words
         return member
@@ -53,7 +53,7 @@ CHECKS = {
 
 
 def disturbances(table: Table, log: Log, s: Signals) -> Index:
-    """A `Reason` of each sample (n,): a bend; a locked wheel or ABS, until just before; else 0."""
+    """Return the `Reason` of each sample (n,) by a bend, a locked wheel or ABS; 0 without any."""
     car, none = table.vehicle, np.zeros_like(s.time)
     slip = np.interp(s.z, table.tyre.force, table.tyre.slip)
     acceleration = lateral(log, s, car.track_width, slip=slip, height=car.cg_height)
@@ -69,10 +69,10 @@ def first_reason(
     steering: Array | float,
     sample_time: float,
 ) -> Index:
-    """The first `Reason` that applies to samples (n,), or to one sample; 0 where none applies.
+    """Return the `Reason` of samples (n,), or of one: ABS, else a lock, else a bend, else 0.
 
-    ``since_abs``, ``since_lock`` times since ABS worked and since a wheel locked [s]; lateral
-    ``acceleration`` [m/s^2]; ``steering`` angle of the driver's wheel [rad].
+    ``since_abs`` and ``since_lock`` are times since ABS worked and a wheel locked [s], lateral
+    ``acceleration`` is in m/s^2, ``steering`` is the angle of the driver's wheel [rad].
     """
     c, half = Constants, 0.5 * sample_time  # half a sample, else a rounding could decide
     turned = np.where(np.abs(steering) < c.steering, 0, Reason.TURNED)
@@ -82,10 +82,10 @@ def first_reason(
 
 
 def _locks(log: Log, s: Signals) -> Mask:
-    """Samples (n,) in which a wheel is slower than the others, or than v, by `Constants.lock`.
+    """Return the samples (n,) in which a wheel is slower than the fastest one by `Constants.lock`.
 
-    All four wheels may lock together. So the fastest wheel counts as slowing by no more than a road
-    lets a car slow.
+    All four wheels may lock together. So the fastest speed is at least that of v, and slows by no
+    more than a road lets a car slow.
     """
     channels = (log[f"omega_{w}"] for w in WHEELS)
     # (4, n); the median of three samples is that of the one before, so that it is causal
@@ -96,5 +96,5 @@ def _locks(log: Log, s: Signals) -> Mask:
         fastest = np.maximum(fastest, per_speed * s.v)
     slowed = Constants.slows * np.append(s.time[0], s.time[:-1])
     fastest = np.maximum.accumulate(fastest + slowed) - slowed
-    apart = fastest - wheels.min(axis=0) > Constants.lock * np.maximum(fastest, 1.0)
-    return np.asarray(apart & (fastest > Constants.turning))
+    is_slower = fastest - wheels.min(axis=0) > Constants.lock * np.maximum(fastest, 1.0)
+    return np.asarray(is_slower & (fastest > Constants.turning))

@@ -13,7 +13,7 @@ from calib.base.plain import finite_or_none
 from calib.base.warning import to_dict as warning_dict
 from calib.base.write import publish, work_folder, write_whole
 from calib.estimation.agreement import agreement
-from calib.estimation.estimator import COLUMNS, Estimate
+from calib.estimation.estimator import COLUMNS
 from calib.estimation.limits import FAILED, PASSED
 from calib.estimation.validate import CALIBRATION, NO_HOLDOUT, Validation, proof_of
 from calib.logs.parquet import parquet_of
@@ -28,7 +28,7 @@ SUMMARY = "summary.json"
 def to_dict(
     stored: Stored, results: list[Validation], how: Precision | None = None
 ) -> dict[str, object]:
-    """`summary.json`: metrics, judgements and baselines of every log, and the verdict.
+    """Return `summary.json`: metrics, judgements and baselines of every log, and the verdict.
 
     ``how`` is the precision with which the table was exported, None for its full maps.
     """
@@ -43,22 +43,21 @@ def to_dict(
         "warnings": [warning_dict(w) for w in warnings],
         "verdict": PASSED if all(r.passed for r in results) else FAILED,
         "proof": proof_of(results),
-        "exported": how and asdict(how),
+        "exported": None if how is None else asdict(how),
         "ramp_pads": [ramp.pad_friction_f.value, ramp.pad_friction_r.value],
         "logs": [_of_log(r) for r in results],
-        "agreement": together and asdict(together),
-        "unseen": [one._asdict() for one in unseen_in(stored, results)],
+        "agreement": None if together is None else asdict(together),
+        "unseen": [entry._asdict() for entry in unseen_in(stored, results)],
     }
 
 
 def unseen_in(stored: Stored, results: Sequence[Validation]) -> list[Unseen]:
-    """Entries of the vehicle file whose errors neither ramp nor stops can show."""
+    """Return the entries of the vehicle file whose errors neither ramp nor stops can show."""
     with_v = any(r.estimate.blocks.v is not None for r in results)
     return unseen_entries(stored.table, with_v, results[0].mass.tolerance if results else None)
 
 
 def _of_log(r: Validation) -> dict[str, object]:
-    """The entry of one log in `summary.json`."""
     return {
         "log": r.log,
         "digest": r.digest,
@@ -73,7 +72,7 @@ def _of_log(r: Validation) -> dict[str, object]:
         ],
         "not_held": [j.figure for j in r.judgements if j.verdict == FAILED],
         "warned": list(dict.fromkeys(warning.code for warning in r.all_warnings)),
-        "budget": r.budget and by_axle(r.budget),
+        "budget": None if r.budget is None else by_axle(r.budget),
         "not_valid": r.refused,
         "rms_error_against": r.compared_with,
         "rms_error_by_method": {
@@ -81,11 +80,6 @@ def _of_log(r: Validation) -> dict[str, object]:
         },
         **({"notes": [NO_HOLDOUT]} if r.role == CALIBRATION else {}),
     }
-
-
-def _write_result(e: Estimate, path: Path) -> None:
-    """Write the columns of one estimate as Parquet. Raises OSError if it cannot."""
-    write_whole(path, parquet_of(e.columns(), COLUMNS, compression="zstd"))
 
 
 def write_results(results: list[Validation], summary: dict[str, object], out: Path) -> list[Path]:
@@ -102,6 +96,7 @@ def write_results(results: list[Validation], summary: dict[str, object], out: Pa
 def fill(results: list[Validation], summary: dict[str, object], work: Path) -> None:
     """Write the files of `write_results` into the folder ``work``. Raises OSError."""
     for result in results:
-        _write_result(result.estimate, work / f"{result.log}.parquet")
+        samples = parquet_of(result.estimate.columns(), COLUMNS, compression="zstd")
+        write_whole(work / f"{result.log}.parquet", samples)
     text = json.dumps(summary, indent=2, allow_nan=False) + "\n"
     write_whole(work / SUMMARY, text.encode())

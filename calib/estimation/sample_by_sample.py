@@ -30,7 +30,7 @@ from calib.estimation.online import (
     held_readings,
     limits,
 )  # fmt: skip
-from calib.estimation.readout import of_blocks, step_inputs, torques_of, with_before
+from calib.estimation.readout import ENDS, pads_of_blocks, step_inputs, torques_of, with_before
 from calib.estimation.reasons import Reason, first_reason
 from calib.estimation.state import Sample
 from calib.estimation.step import Answer, started, step
@@ -39,13 +39,6 @@ from calib.run.lateral import LATERAL_TIME, turning
 from calib.run.noise import SensorNoise
 from calib.store.version import Stored, table_in
 from calib.table.table import Table
-
-_ENDS = ("", "_lower", "_upper")
-_MEANS = (
-    "p_f", "p_r", "drive_f", "drive_r", "z", "omega_f", "omega_r", "speed", "end", "spin_f",
-    "spin_r",
-)  # fmt: skip
-"""Fields of `Blocks` in the order in which `_block_ends` computes them."""
 
 
 class Online:
@@ -68,7 +61,7 @@ class Online:
         self._block_ends(with_answer=False)
 
     def step(self, sample: Mapping[str, float]) -> dict[str, float]:
-        """Take in a sample and return the `Reason` and `ANSWERS` with bounds, by the names of C.
+        """Return the `Reason` and `ANSWERS` with bounds after a sample, by their names in C.
 
         ``sample`` is in SI by the names of a log; a channel that is missing reads 0.
         """
@@ -88,12 +81,12 @@ class Online:
         answers = {
             f"{name}{end}": float(value)
             for name, bounded in zip(ANSWERS, (*self._answers, *torques), strict=True)
-            for end, value in zip(_ENDS, bounded, strict=True)
+            for end, value in zip(ENDS, bounded, strict=True)
         }
         return {"reason": float(self._reason if good else Reason.FAULT), **answers}
 
     def _disturbance(self, x: Array) -> int:
-        """Number of the `Reason` by good readings ``x`` (11,), as `disturbances` has it."""
+        """Return the `Reason` by good readings ``x`` (11,), as `disturbances` does."""
         c, car = self._c, self._table.vehicle
         self._wheels = [*(self._wheels or [x[OMEGA]] * 2), x[OMEGA]][-3:]
         first, last, now = self._wheels
@@ -116,7 +109,7 @@ class Online:
         """Take in the means of a block and answer; ``with_answer`` False before the first block."""
         x = np.array(self._rows or [np.zeros(len(CHANNELS))])
         fault, why = Reason.FAULT in self._why, max(self._why, default=0)
-        thrust = x[:, DRIVEN].max() > 0.5
+        driven = np.array([x[:, DRIVEN].max() > 0.5])
         self._rows, self._why = [], []
         p, a_x, (fl, fr, rl, rr) = x[:, P_MC].mean(), x[:, A_X].mean(), x[:, OMEGA].mean(axis=0)
         omega, z, car = np.array([fl + fr, rl + rr]) / 2.0, -a_x / G, self._table.vehicle
@@ -124,24 +117,26 @@ class Online:
         spin = np.zeros(2) if self._omega is None else (omega - self._omega) / self._c.block
         if self._faulty or fault:
             spin = -G * z / radii
-        means = p, p, *x[:, DRIVE].mean(axis=0), z, *omega, radii[1] * omega[1], 0.0, *spin
-        columns: dict[str, Any] = {n: np.array([v]) for n, v in zip(_MEANS, means, strict=True)}
-        off = np.array([False])
-        b = Blocks(**columns, v=None, lead_in=off, samples=self._n, length=self._c.block)
-        of_step = step_inputs(self._table, b, np.array([why]), off | thrust)
-        block = Sample(*(float(y[0]) for y in of_step))
+        drive_f, drive_r = x[:, DRIVE].mean(axis=0)
+        means = {"p_f": p, "p_r": p, "z": z, "speed": radii[1] * omega[1], "end": 0.0}
+        means |= {"drive_f": drive_f, "omega_f": omega[0], "spin_f": spin[0]}
+        means |= {"drive_r": drive_r, "omega_r": omega[1], "spin_r": spin[1], "lead_in": False}
+        columns: dict[str, Any] = {name: np.array([mean]) for name, mean in means.items()}
+        b = Blocks(**columns, v=None, samples=self._n, length=self._c.block)
+        inputs = step_inputs(self._table, b, np.array([why]), driven)
+        block = Sample(*(float(y[0]) for y in inputs))
         state = self._state if with_answer else started(self._c)
         if with_answer:
             self._omega, self._faulty = omega, fault
-        of_one = Answer(*(np.asarray(y)[..., None] for y in step(self._c, state, block)))
-        answer, place = with_before(self._c, of_one), int(with_answer)
+        of_block = Answer(*(np.asarray(y)[..., None] for y in step(self._c, state, block)))
+        answer, place = with_before(self._c, of_block), int(with_answer)
         self._reason = int(answer.reason[place])
-        answers = of_blocks(self._table, of_step, answer)[:4]
+        answers = pads_of_blocks(self._table, inputs, answer)[:4]
         self._answers = np.stack([y[:, place] for y in answers])
 
 
 def online(table: Table | Stored, sample_time: float) -> Online:
-    """An estimator that takes in one sample after the other, as in an ECU.
+    """Return an estimator that takes in one sample after the other, as in an ECU.
 
     ``sample_time`` is the time between samples [s]. Raises StoreError as `require_plain`.
 

@@ -24,7 +24,7 @@ class Sample(NamedTuple, Generic[Number]):
     eta_less_1: Number  # eta - 1 with its zero [1]; float32 is coarse near 1
     rim: Number  # speed of the front wheels' rims [m/s]
     rear_share: Number  # of the load [1]
-    v: Number  # [m/s], NaN where not logged
+    v: Number  # measured speed [m/s], NaN where not logged
     disturbed: Number  # number of a `Reason` while the car is steered or a wheel locks, else 0
     log_odds: Number  # ln of the front pressure over the rear one
     driven: Number  # 1 while the accelerator is pressed: nothing is zeroed then
@@ -34,7 +34,7 @@ class Sample(NamedTuple, Generic[Number]):
 
 @dataclass(slots=True)
 class Zero:
-    """Zero of a signal, or the lag of the brakes: a normal estimate with a random walk."""
+    """Mean and variance of a quantity that drifts: a zero, or the lag of the brakes."""
 
     value: float = 0.0
     variance: float = 0.0
@@ -44,7 +44,7 @@ class Zero:
 class LevelFilter:
     """Kalman filter of the brakes: states, then their variances and covariances.
 
-    Their lag is the third state; it stands in `State`, since it lasts.
+    The third state, the lag of the brakes, is in `State`, since the lag outlasts a stop.
     """
 
     level: float = 0.0  # of the pads [1]
@@ -60,7 +60,7 @@ class LevelFilter:
 class SpeedFilter:
     """Kalman filter of the speed: states, then their variances and covariances."""
 
-    v: float = 0.0  # above that of the rims [m/s]: a small number
+    v: float = 0.0  # less the speed of the rims [m/s]: a small number
     slip: float = 0.0  # ln(slip/z)
     offset: float = 0.0  # of a_x [1]
     scale: float = 0.0  # of a_x [1]
@@ -78,7 +78,7 @@ class SpeedFilter:
 
 @dataclass(slots=True)
 class Means:
-    """Means over the blocks of a braking, which forget."""
+    """Means over the blocks of a braking, in which older blocks count less."""
 
     blocks: float = 0.0  # number in them; 0 before any braking
     z: float = 0.0  # brake force that z demands, from its zero [1]
@@ -117,7 +117,7 @@ class State:
     level: LevelFilter = field(default_factory=LevelFilter)
     speed: SpeedFilter = field(default_factory=SpeedFilter)
     check: Check = field(default_factory=Check)
-    rim: float = 0.0  # of all wheels [m/s]
+    rim: float = 0.0  # speed of the rims of all wheels [m/s]
     anchored: bool = False  # whether the speed no longer moves with the zero of eta
     errs: bool = False  # whether a_x is wrong, by the innovations
     waiting: deque[Sample[float]] = field(default_factory=deque)
@@ -126,7 +126,7 @@ class State:
     by_lag: float = 0.0  # derivative of `acting` by the lag [1/s]
     z: float = 0.0  # deceleration of the last block [1]
     braked: float = 0.0  # time of this stop [s]
-    released: float = 0.0  # [s]
+    released: float = 0.0  # time since the brakes were released [s]
     means: Means = field(default_factory=Means)
     mean_z: float = 0.0  # mean of z in `means`, at least `Constants.least_mean_z` [1]
     share: float = 0.0  # of the pressure that acts [1]
@@ -137,4 +137,4 @@ class State:
     # bounds of both, and the variance by the errors of the reading.
     held_ratio: Sequence[float] = (*(0.0,) * 2, *(-1e3,) * 2, *(1e3,) * 2, 0.0)
     age: float = 0.0  # of the held ratio [s]
-    level_then: float = 0.0  # [1]
+    level_then: float = 0.0  # level at which the ratio was read [1]

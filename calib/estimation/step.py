@@ -60,12 +60,12 @@ class Answer(NamedTuple):
     reason: Array  # a `Reason`
 
     def take(self, places: int | Index) -> "Answer":
-        """The answers at the blocks ``places``."""
+        """Return the answers at the blocks ``places``."""
         return Answer(*(np.take(x, places, axis=-1) for x in self))
 
 
 def started(c: Constants) -> State:
-    """The state before the first block."""
+    """Return the state before the first block."""
     s = State()
     start(c, s)
     s.zero_slip.variance = c.var_zero
@@ -73,13 +73,13 @@ def started(c: Constants) -> State:
 
 
 def follow(c: Constants, s: State, x: Sample[float]) -> BlockState[float]:
-    """Take in a block. Changes the state."""
+    """Update the state by a block, and return the estimate of brakes and tyres."""
     brake_line_lag(c, s, x.nominal)
     counts = x.rim > c.moving and not x.disturbed
     counts = motor_fits(c, s, x, counts=counts) and counts
     _learn_zeros(c, s, x, counts=counts)
     step_filters(c, s, x, counts=counts)
-    if counts and x.v == x.v:  # NaN where it is not logged
+    if counts and not math.isnan(x.v):
         _update_speed(c, s, x)
     return block_state(s, counts=counts)
 
@@ -105,7 +105,7 @@ def _learn_zeros(c: Constants, s: State, x: Sample[float], *, counts: bool) -> N
 
 
 def _update_speed(c: Constants, s: State, x: Sample[float]) -> None:
-    """Update the speed by v of a block, in time and with the zero of the slip."""
+    """Update the speed by v of a block, without the delay of v and the zero of the slip."""
     v = s.rim + s.speed.v
     variance = (c.noise_v**2 + 1e-8) / c.block + v**2 * s.zero_slip.variance
     variance += (G * x.z * c.late_sigma) ** 2
@@ -114,13 +114,13 @@ def _update_speed(c: Constants, s: State, x: Sample[float]) -> None:
 
 
 def step(c: Constants, s: State, x: Sample[float]) -> Answer:
-    """Take in a block, and answer. Changes the state."""
+    """Update the state by a block, and return the answer."""
     state = BlockState(*np.array([follow(c, s, x)]).T)
     return _answers(c, s, Sample(*np.array([x]).T), state).take(0)
 
 
 def run(c: Constants, x: Sample[Array]) -> Answer:
-    """The answers that `step` gives to the blocks of a run (k,), from the first one on."""
+    """Return the answers of `step` to all blocks of a run (k,)."""
     s = started(c)
     rows = zip(*(column.tolist() for column in x), strict=True)
     states = chain.from_iterable(follow(c, s, Sample(*row)) for row in rows)
@@ -130,32 +130,32 @@ def run(c: Constants, x: Sample[Array]) -> Answer:
 
 def _answers(c: Constants, s: State, x: Sample[Array], state: BlockState[Array]) -> Answer:
     """Answer each block (k,) by its ``state`` after `follow`."""
-    new = state.blocks == 0.0
-    z = np.where(new, c.usual_z, state.z)
+    unbraked = state.blocks == 0.0  # since the last stop
+    z = np.where(unbraked, c.usual_z, state.z)
     shift = state.shift / z
-    usual, sigma = c.slip(z, shift, 0.0 * z)
-    w = slip_evidence(c, state, z, usual, sigma)
-    more = Z95 * np.sqrt(w.noise + w.accelerometer)
+    log_slip, sigma = c.slip(z, shift, 0.0 * z)
+    w = slip_evidence(c, state, z, log_slip, sigma)
+    more = Z95 * np.sqrt(w.noise + w.accelerometer)  # half-width by filter and a_x
     level = widened(c.level(z), more) + np.log(w.pads * w.scaled)
 
     of_map = np.clip(shift, *c.pads.axes[1][[0, -1]]) == shift
-    readable = of_map & ~new & (z >= c.least_z)
+    readable = of_map & ~unbraked & (z >= c.least_z)
     error = eta_error(c, state, z) / z, w.slip_sigma
     now, zeros = _ratio(c, (z, shift, w.slip), error, x.log_odds, readable)
     counts = state.counts > 0.0
-    best, zeros = _keep(c, s, now, zeros, w.pads, (new, counts & (x.pressure > c.bite)))
+    best, zeros = _keep(c, s, now, zeros, w.pads, (unbraked, counts & (x.pressure > c.bite)))
     return Answer(
         level, best[:, 0], best[:, 1], w.noise, w.accelerometer, zeros,
-        usual + sigma * w.slip, sigma * w.slip_sigma, state.zero_eta, state.zero_slip,
+        log_slip + sigma * w.slip, sigma * w.slip_sigma, state.zero_eta, state.zero_slip,
         state.checks, np.where(counts, state.innovation, np.nan),
         reason_of(c, x, state, np.exp(level[0]), of_map),
     )  # fmt: skip
 
 
 def widened(x: Array, more: Array) -> Array:
-    """A median and its bounds (3, ...), with distances that are increased by ``more`` as squares.
+    """Return a median and its bounds ``x`` (3, ...), widened by ``more`` as root of squares.
 
-    ``more`` is a distance of both bounds (...), or one of each (3, ...), whose first is not used.
+    ``more`` is the same distance for both bounds (...), or (3, ...) with the first one unused.
     """
     away = np.hypot(x - x[0], more)
     return np.stack([x[0], x[0] - away[1], x[0] + away[2]])
@@ -168,18 +168,19 @@ def _ratio(
     log_odds: Array,
     readable: Mask,
 ) -> tuple[Array, Array]:
-    """Medians and bounds of ln of the ratio and of its change (3, 2, k); variance by reading (k,).
+    """Return ln of ratio and change with bounds (3, 2, k), and the variance by reading (k,).
 
-    ``point`` is the place on the three axes of the map, (k,) each; ``errors`` are those of the last
-    two axes. The more the map narrows the prior, the more it counts, (S11); where eta is not
+    ``point`` is the place on the axes z, eta and slip of the map, (k,) each; ``errors`` are of eta
+    and slip. The more the map narrows the prior, the more the map counts, (S11). Where eta is not
     ``readable``, the prior counts alone.
     """
     # read the map at the point, and a step to either side on the axes of eta and slip
     steps = np.minimum(errors[0], c.pads.width(1, point[1])), np.minimum(errors[1], 1.0)
-    places = np.repeat(np.stack(point)[:, None], 5, axis=1)
-    places[1, 1:3] += np.multiply.outer((-1.0, 1.0), steps[0])
-    places[2, 3:5] += np.multiply.outer((-1.0, 1.0), steps[1])
-    read, prior, zeros = c.pads(*places), c.prior(point[0]), 0.0 * point[0]
+    places = np.repeat(np.stack(point)[:, None], 5, axis=1)  # (axis, place, block)
+    places[1, 1:3] += np.stack([-steps[0], steps[0]])
+    places[2, 3:5] += np.stack([-steps[1], steps[1]])
+    read = c.pads(*places)  # (3, 2, place, block)
+    prior, zeros = c.prior(point[0]), 0.0 * point[0]
     now = read[:, :, 0]
     for low, high, spread in ((1, 2, errors[0] / steps[0]), (3, 4, errors[1] / steps[1])):
         more = 0.5 * Z95 * spread * (read[0, :, high] - read[0, :, low])
@@ -198,20 +199,21 @@ def _ratio(
 def _keep(
     c: Constants, s: State, now: Array, zeros: Array, level: Array, flags: tuple[Mask, Mask]
 ) -> tuple[Array, Array]:
-    """The held ratio at each block, shaped as by `_ratio`: the narrowest so far, (S12).
+    """Return the held ratio at each block, shaped as by `_ratio`: the narrowest so far, (S12).
 
-    ``now`` and ``zeros`` are the readings of `_ratio`; ``flags`` (k,) whether a block is before a
-    stop, which resets the held ratio, and whether its reading may be taken in.
+    ``now`` and ``zeros`` are the readings of `_ratio`. ``flags`` (k,) say whether a block is before
+    a stop and resets the held ratio, and whether the reading of the block counts.
     """
     ratios, more_variance = [], []
     rows = np.vstack([now.reshape(6, -1), zeros]).T.tolist()
-    for row, a, new, adds in zip(rows, level.tolist(), *(x.tolist() for x in flags), strict=True):
+    resets, counts = (x.tolist() for x in flags)
+    for row, pads, reset, count in zip(rows, level.tolist(), resets, counts, strict=True):
         s.age += c.block
-        if new:
-            s.held_ratio, grown = row, reset_held(c, s, a, 1.0)
+        if reset:
+            s.held_ratio, grown = row, reset_held(c, s, pads, 1.0)
         else:
-            grown = held_variance(c, s, a)
-        if adds and not new:
+            grown = held_variance(c, s, pads)
+        if count and not reset:
             middle, _, low, _, high, *_ = s.held_ratio  # of the ratio; the others are of its change
             more = Z95 * math.sqrt(grown)
             width = math.hypot(middle - low, more) + math.hypot(high - middle, more)
@@ -219,7 +221,7 @@ def _keep(
             if share > 0.0:
                 pairs = zip(s.held_ratio, row, strict=True)
                 s.held_ratio = [(1.0 - share) * x + share * y for x, y in pairs]
-                grown = reset_held(c, s, a, share)
+                grown = reset_held(c, s, pads, share)
         ratios.append(s.held_ratio)
         more_variance.append(grown)
     out, variance = np.array(ratios).T, np.array(more_variance)

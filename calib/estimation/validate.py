@@ -4,7 +4,7 @@ table, log -> estimate -> metrics -> judgements by limits -> verdict
 
 The verdict is on the answer of an ECU with the table as exported. True torques prove the table. A
 speed v can only contradict it, since the estimates with and without v rest on the same ramp.
-Without either the answer is consistent, not proved.
+Without truth and v the answer is consistent, not proved.
 """
 
 from collections.abc import Callable, Iterable
@@ -30,35 +30,29 @@ from calib.table.table import Table
 HOLDOUT, CALIBRATION = "hold-out", "calibration"  # roles of a log
 
 TRUTH, REFERENCE, NONE = "truth", "reference", "none"
-"""What proves a table on a log, from the strongest: true torques, v, or neither."""
-
+"""What proves a table on a log: true torques, v, or nothing."""
 _PROOFS = {TRUTH: "ecu_normalised_error_f", REFERENCE: "ecu_reference_f"}
-
+"""Proofs from the strongest, with a metric that only a log with this proof has."""
 _NAMED = 0.1  # share of the braked samples from which a reason for not being valid is named
 
 Coded = Callable[[Estimate, Log], Readout]
-"""Function that runs the C code on a log with an estimate, and returns the ``ecu`` of the code."""
+"""Function that returns the answer of the C code to a log of an estimate."""
 
 NO_HOLDOUT = "the table was fitted on this log: it is no hold-out and proves nothing"
 
 
 @dataclass(frozen=True)
 class Validation(Viewable):
-    """The validation on one log: its estimate, metrics and judgements.
+    """The validation on one log."""
 
-    ``role`` is `HOLDOUT`, or `CALIBRATION` for a log on which the table was fitted; such a log
-    validates nothing, so it does not pass. ``mass`` is that of the estimate, ``warnings`` are those
-    of log and estimate.
-    """
-
-    log: str
+    log: str  # name
     digest: str
-    role: str
+    role: str  # `HOLDOUT`, or `CALIBRATION` for a log on which the table was fitted
     estimate: Estimate
     figures: Figures
     judgements: tuple[Judgement, ...]
-    mass: MassUsed
-    warnings: tuple[PlausibilityWarning, ...] = ()
+    mass: MassUsed  # in the estimate
+    warnings: tuple[PlausibilityWarning, ...] = ()  # of log and estimate
 
     def __repr__(self) -> str:
         mu_f, mu_r = self.figures["pad_friction_f"], self.figures["pad_friction_r"]
@@ -72,7 +66,7 @@ class Validation(Viewable):
 
     @property
     def proof(self) -> str:
-        """What the log proves the ECU with: `TRUTH`, `REFERENCE` or `NONE`."""
+        """What proves the ECU on this log: `TRUTH`, `REFERENCE` or `NONE`."""
         proofs = (proof for proof, metric in _PROOFS.items() if self.figures[metric] is not None)
         return next(proofs, NONE) if self.role == HOLDOUT else NONE
 
@@ -112,7 +106,9 @@ class Validation(Viewable):
     @property
     def compared_with(self) -> str:
         """What the baselines are compared with: `TRUTH`, `REFERENCE` or `NONE`."""
-        return TRUTH if "estimate" in self.baselines else REFERENCE if self.baselines else NONE
+        if "estimate" in self.baselines:
+            return TRUTH
+        return REFERENCE if self.baselines else NONE
 
 
 def validate(
@@ -131,8 +127,8 @@ def validate(
     table : the table to validate, or a version of it in a store.
     logs : hold-outs. A log on which the table was fitted is marked, and validates nothing.
     vehicle : the same car with other nominal pads than the table's.
-    limits : of the metrics, for pass or fail.
-    mass : of the car in these logs [kg], if it is not that of the table's vehicle.
+    limits : limits of the metrics.
+    mass : mass of the car in these logs [kg], if not that of the table's vehicle.
     exported : the table as an ECU reads it, see `calib.table.exported`; else its full maps.
 
     Raises LogError for a log that cannot be used, and when the log is clearly of another vehicle;
@@ -188,5 +184,6 @@ def validate_one(
 
 
 def proof_of(results: Iterable[Validation]) -> str:
-    """The strongest proof that any of the logs gives."""
-    return min((r.proof for r in results), key=(*_PROOFS, NONE).index, default=NONE)
+    """Return the strongest proof that any of the logs gives."""
+    proofs = {result.proof for result in results}
+    return next((proof for proof in _PROOFS if proof in proofs), NONE)

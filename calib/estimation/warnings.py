@@ -52,9 +52,9 @@ from calib.table.table import Table
 _BINS = np.array([0.05, 0.08, 0.12, 0.17, 0.24, 0.33, 0.45, 0.6, 1.0])
 """Decelerations [1] between which blocks are averaged."""
 _Z = np.geomspace(_BINS[0], _BINS[-1], 25)
-"""Decelerations [1] between which scenarios are linear: near its peak a tyre is not for long."""
+"""Decelerations [1] between which scenarios are linear; close together where a tyre is not."""
 _COUNT = 4096  # number of scenarios
-_FORM = 0.03  # relative error of eta - 1 by forms of tyres, and by loads that follow late [1]
+_FORM = 0.03  # relative error of eta - 1 by tyre curves, and by loads that follow late [1]
 _FINEST = 5e-5  # least error of a mean of eta - 1 [1]
 _HINTS = {
     *("level_changed", "pads_changed_apart", "unexplained_braking_force", "force_step"),
@@ -63,14 +63,14 @@ _HINTS = {
 """Codes of warnings after which mistakes are compared."""
 _FEWEST = 20  # braked blocks from which on a delay of the wheels is estimated
 _LATE_SIGMA, _LATE = 4.0, 0.5 * DELAYS[0]
-"""Delay of the wheels from which on mistakes are compared [sigma], [s]. Good stops show up to 6 ms,
-by the form of the tyres; a delay of 20 ms shows as 8 ms or more."""
+"""Delay of the wheels from which on mistakes are compared [sigma], [s]. Good stops show up to 6 ms
+by their tyre curves; a delay of 20 ms shows as 8 ms or more."""
 _NOT_BY_PRESSURE = 0.025  # share of the brake force from which on mistakes are compared [1]
 _ZEROED, _NOT_ZEROED = 5e-5, 0.01  # sigma of the zero of eta [1], with a lead-in and without
 
 
 def warnings_of(e: Estimate, run: Run | None = None) -> tuple[PlausibilityWarning, ...]:
-    """All warnings of an estimate, also those that make it void.
+    """Return all warnings of an estimate, also those that make it void.
 
     ``run`` is the log as read, if its gaps were filled for the estimate.
     """
@@ -108,7 +108,7 @@ def warnings_of(e: Estimate, run: Run | None = None) -> tuple[PlausibilityWarnin
 
 
 def _is_beside_pressure(evidence: Evidence) -> bool:
-    """Whether a part of the brake force does not follow the pressure; less than a warning needs."""
+    """Return whether a part of the brake force, too small for a warning, ignores the pressure."""
     response = evidence.response
     if response is None:
         return False
@@ -116,7 +116,7 @@ def _is_beside_pressure(evidence: Evidence) -> bool:
 
 
 def _is_late(e: Estimate) -> bool:
-    """Whether eta has a part in proportion to z over the speed, as late wheel speeds give."""
+    """Return whether eta has a part in proportion to z/v, as late wheel speeds give."""
     b = e.blocks
     use = (np.maximum(b.p_f, b.p_r) > BITE) & (b.speed > MOVING)
     if np.count_nonzero(use) < _FEWEST or not b.lead_in.any():
@@ -142,9 +142,9 @@ def _mistakes(e: Estimate, resistance: Resistance, evidence: Evidence) -> Iterat
 
 
 def _level_change(e: Estimate, resistance: Resistance, i: int) -> tuple[float, float]:
-    """ln of the brake force over that of the ramp's pads [1] at sample ``i``, and its sigma.
+    """Return ln of the brake force over that of the ramp's pads [1] at sample ``i``, and its sigma.
 
-    The sigma is without that of the mass, so that another load shows.
+    The sigma excludes the error of the mass, so that another load shows.
     """
     best = e.best
     slowing = float(resistance.sigma_z(e.car, e.read.speed[i : i + 1])[0])
@@ -156,7 +156,7 @@ def _level_change(e: Estimate, resistance: Resistance, i: int) -> tuple[float, f
 
 
 def axles_exchanged(table: Table, e: Estimate) -> float:
-    """ln of the likelihood ratio of exchanged axles over axles as given, by eta.
+    """Return ln of the likelihood ratio of exchanged axles over axles as given, by eta.
 
     It is 0 where the car never brakes, or brakes with the rear axle alone.
     """
@@ -176,16 +176,16 @@ def axles_exchanged(table: Table, e: Estimate) -> float:
 
 @lru_cache(maxsize=2)  # a batch has one table
 def _eta_rises(table: Table) -> Array:
-    """Eta - 1 of scenarios with a table's car at `_Z` (n, k) [1]."""
+    """Return eta - 1 of scenarios with a table's car at `_Z` (4096, 25) [1]."""
     car = table.vehicle
     stops = scenarios(car, ensemble_of(car, table.draws), _COUNT)
     return predict_stops(car, stops, _Z).eta_rise
 
 
 def _curve(e: Estimate) -> tuple[Array, Array, Array]:
-    """Demanded brake force over the weight, eta - 1 and its error, (k,) each: means within `_BINS`.
+    """Return brake force over weight, eta - 1 and the error of eta, (k,) each: means in `_BINS`.
 
-    Blocks with wheels at their limit are left out, since no scenario has them.
+    Blocks with locked wheels or faults are left out, since no scenario has them.
     """
     b, demanded = e.blocks, e.best.inputs.demand
     shift = (1.0 + e.best.inputs.eta_less_1) / e.zeros[0] - 1.0

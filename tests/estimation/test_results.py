@@ -1,9 +1,11 @@
 """What `validate --out` leaves: the contract of the columns, whole or not at all."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pyarrow.parquet as pq
 
-from calib.estimation.results import _write_result
+from calib.estimation.results import fill
 from tests.estimation.test_metrics import N, made_estimate
 
 SEEN = ("z", "eta", "normalised_force_f", "normalised_force_r")
@@ -33,10 +35,13 @@ CONTRACT = (
 """As the brief has them, and what was added after them: others read these files."""
 
 
+def write(estimate, folder):
+    fill([SimpleNamespace(log="a", estimate=estimate)], {}, folder)
+
+
 def test_columns_are_those_of_the_contract(tmp_path):
-    path = tmp_path / "a.parquet"
-    _write_result(made_estimate(), path)
-    schema = pq.read_schema(path)
+    write(made_estimate(), tmp_path)
+    schema = pq.read_schema(tmp_path / "a.parquet")
     assert set(schema.names) == set(CONTRACT)
     assert schema.names[:5] == ["time", *SEEN]
     assert {f.name: f.metadata[b"unit"].decode() for f in schema} == CONTRACT
@@ -48,7 +53,7 @@ def test_columns_are_those_of_the_contract(tmp_path):
 
 def test_a_frame_has_the_columns_of_the_file_and_their_units(tmp_path):
     e = made_estimate(0.41, 0.35, valid=np.arange(N) % 3 == 0)
-    _write_result(e, tmp_path / "a.parquet")
+    write(e, tmp_path)
     frame = e.to_frame()
     assert list(frame.columns) == pq.read_schema(tmp_path / "a.parquet").names
     assert frame.attrs["units"] == CONTRACT
