@@ -39,8 +39,9 @@ _STILL_RISING = 0.00135  # largest share of draws without the peak: 3 standard d
 
 
 def ramp_path(car: Vehicle, e: Ensemble, z: Array) -> SlipPrediction:
-    """Eta and slips of the draws along a ramp, at decelerations ``z`` (k,) [1]."""
-    return predict_slips(car, e, e.log_pad_ratio[:, None], z * (1.0 + sum(rotating_shares(car))), z)
+    """Predict eta and slips of the draws along a ramp, at decelerations ``z`` (k,) [1]."""
+    brake = z * (1.0 + sum(rotating_shares(car)))  # force over the weight
+    return predict_slips(car, e, e.log_pad_ratio[:, None], brake, z)
 
 
 def find_peak(path: SlipPrediction) -> tuple[float, float, bool]:
@@ -64,12 +65,12 @@ def difference_curves(
     path = ramp_path(car, e, np.linspace(0.0, z_end, SETTINGS.rows))
     eta = np.linspace(1.0, float(path.eta[-1]), SETTINGS.rows)
     measured = [_measured_eta(car, run, path) for run in runs]
-    d = DifferenceCurve(*_columns(eta, differences(path, eta), e, measured))
-    return d, paper_of(car, d, np.interp(eta, path.eta, path.z))
+    difference = DifferenceCurve(*_columns(eta, differences(path, eta), e, measured))
+    return difference, paper_of(car, difference, np.interp(eta, path.eta, path.z))
 
 
 def _measured_eta(car: Vehicle, run: RampRun, path: SlipPrediction) -> Array:
-    """Eta [1] of the braked blocks (m,). Where motors act, it is the eta by the brakes alone."""
+    """Eta [1] of the braked blocks (m,); where motors act, the eta by the brakes alone."""
     b, braked = run.blocks, run.braked
     if np.any(b.drive_f[braked]) or np.any(b.drive_r[braked]):
         z = run.braking[braked] / car.weight / (1.0 + sum(rotating_shares(car)))
@@ -88,15 +89,18 @@ def paper_of(car: Vehicle, d: DifferenceCurve, z: Array) -> PaperCurves:
 def tyre_curve(e: Posterior, path: SlipPrediction, runs: list[RampRun]) -> TyreCurve:
     """Normalised force over slip with half the weight on the axle.
 
-    It ends at 1.1 times the force at the end of the ramp. A draw ends at `NEAR_PEAK` of its peak,
-    and is constant beyond.
+    The curve ends at 1.1 times the force at the end of the ramp. The force of a draw is constant
+    beyond `NEAR_PEAK` of its peak.
     """
     greatest = 1.1 * float(np.median(np.max(path.forces, axis=0)[:, -1]))
-    end = np.median([np.interp(greatest, force, slip) for slip, force in _tyres(e)])
+    tyres = _tyres(e)
+    end = np.median([np.interp(greatest, force, slip) for slip, force in tyres])
     grid = np.linspace(0.0, float(end), SETTINGS.rows)
     axle_slips = np.median(path.slips, axis=1)  # (2, k)
-    measured = [np.interp(run.blocks.z[run.use], path.z, x) for run in runs for x in axle_slips]
-    forces = np.array([np.interp(grid, slip, force) for slip, force in _tyres(e)])
+    measured = [
+        np.interp(run.blocks.z[run.use], path.z, slip) for run in runs for slip in axle_slips
+    ]
+    forces = np.array([np.interp(grid, slip, force) for slip, force in tyres])
     return TyreCurve(*_columns(grid, forces, e, measured))
 
 
@@ -104,14 +108,11 @@ def differences(path: SlipPrediction, eta: Array) -> Array:
     """D of the draws at ``eta`` (k,) on the rising branch of a path, (n, k) [1]."""
     rising = np.maximum.accumulate(1.0 + path.eta_rise, axis=1)
     D = path.forces[0] - path.forces[1]
-    return np.array([np.interp(eta, of_eta, of_D) for of_eta, of_D in zip(rising, D, strict=True)])
+    return np.array([np.interp(eta, x, y) for x, y in zip(rising, D, strict=True)])
 
 
 def _tyres(e: Ensemble) -> list[tuple[Array, Array]]:
-    """Slip and normalised force (k,) of the mean tyre of the axles, one pair for each draw.
-
-    It ends at `NEAR_PEAK` of the peak.
-    """
+    """Slip and normalised force (k,), up to `NEAR_PEAK`, of the axles' mean tyre, for each draw."""
     use = np.linspace(0.0, NEAR_PEAK, 2 * SETTINGS.rows)
     reach = e.peak * np.sqrt(e.compliance_f * e.compliance_r)
     slips = reach[:, None] * (inverse_forms(use) @ e.forms.T).T
@@ -119,11 +120,11 @@ def _tyres(e: Ensemble) -> list[tuple[Array, Array]]:
 
 
 def _columns(grid: Array, draws: Array, e: Posterior, measured: list[Array]) -> tuple[Array, ...]:
-    """Columns (k,) of a curve over ``grid`` (k,), in the order of its record.
+    """Columns (k,) of a curve over ``grid`` (k,), in the order of the curve's record.
 
     These are the grid; median, lower and upper bound of ``draws`` (n, k); the count of blocks near
-    each row, from their ``measured`` places on the grid's axis; a flag; and the share of the
-    variance that another run would draw anew.
+    each row, by their ``measured`` places on the grid's axis; a flag; and the share of the variance
+    that would differ on another run.
     """
     distance = np.abs(np.concatenate(measured) - grid[:, None])
     count = np.count_nonzero(distance < 1.5 * (grid[1] - grid[0]), axis=1).astype(np.float64)

@@ -33,9 +33,9 @@ _STICKS = 0.3  # slip below which a tyre does not slide [1]
 class Ensemble:
     """Equally likely draws of a car, one in each row; the columns are those of `Draws`.
 
-    `calib.table.maps.Draws` explains them. Here ``cg_to_front_axle`` and ``cg_height`` are over
-    those of the vehicle file [1]. ``depart_eta`` and ``depart_slip`` (n, 10), discrepancies of the
-    tyre form, are at `DEPART_AT`.
+    `calib.table.maps.Draws` explains them. Other than there, ``cg_to_front_axle`` and ``cg_height``
+    are over those of the vehicle file [1]. ``depart_eta`` and ``depart_slip`` (n, 10), relative
+    discrepancies of the tyre form, are at `DEPART_AT`.
     """
 
     forms: Array
@@ -59,7 +59,7 @@ class Ensemble:
 
     @property
     def log_stiffness(self) -> Array:
-        """ln of the slip stiffness (n,), of which the geometric mean of the axles is taken [1]."""
+        """ln of the slip stiffness, as geometric mean of the axles, (n,) [1]."""
         return np.asarray(-0.5 * np.log(self.compliance_f * self.compliance_r))
 
     @property
@@ -68,7 +68,7 @@ class Ensemble:
         return np.stack([self.compliance_f, self.compliance_r, self.radius_load], axis=1)
 
     def take(self, rows: Index | Mask | slice) -> "Ensemble":
-        """The draws of some ``rows``."""
+        """Return the draws of these ``rows``."""
         return Ensemble(*(getattr(self, f.name)[rows] for f in fields(Ensemble)))
 
 
@@ -78,11 +78,11 @@ _LENGTHS = ("cg_to_front_axle", "cg_height")
 
 def draws_of(car: Vehicle, e: Ensemble, pads: Calibration) -> Draws:
     """`TABLE_DRAWS` draws for a table; the level of the ``pads`` is drawn independently."""
-    some = e.take(np.linspace(0, e.size - 1, TABLE_DRAWS).astype(np.int64))
-    lengths = {name: getattr(some, name) * getattr(car, name) for name in _LENGTHS}
-    columns = vars(some) | lengths
-    scale, x = pads.pad_scale, np.random.default_rng(42).standard_normal(TABLE_DRAWS)
-    level = np.log(scale.value) + scale.sigma / scale.value * x
+    kept = e.take(np.linspace(0, e.size - 1, TABLE_DRAWS).astype(np.int64))
+    lengths = {name: getattr(kept, name) * getattr(car, name) for name in _LENGTHS}
+    columns = vars(kept) | lengths
+    scale, normal = pads.pad_scale, np.random.default_rng(42).standard_normal(TABLE_DRAWS)
+    level = np.log(scale.value) + scale.sigma / scale.value * normal
     return Draws(**columns, log_pad_level=level, weight=np.full(TABLE_DRAWS, car.weight))
 
 
@@ -93,96 +93,80 @@ def ensemble_of(car: Vehicle, draws: Draws) -> Ensemble:
 
 
 class _UnitSlips(NamedTuple):
-    """Slips and loads of the axles by draw, (2, n, k) [1].
+    """Slips and loads of the axles by draw, (2, n, k) [1]."""
 
-    ``slip`` (..., 2, n, k) over the compliance; ``load`` over the weight; ``grown`` change of the
-    load over the load at rest, which changes the radii; ``rolls`` (..., n, k) whether both axles
-    are on the road and below the peaks of their tyres.
-    """
-
-    slip: Array
-    load: Array
-    grown: Array
-    rolls: Mask
+    slip: Array  # over the compliance (..., 2, n, k)
+    load: Array  # over the weight
+    load_rise: Array  # change of the load over the load at rest, which changes the radii
+    rolls: Mask  # whether both axles are on the road and below the peaks of tyres (..., n, k)
 
 
 class LoadedTyres(NamedTuple):
-    """Tyres of draws under their axle loads, (2, n, k) [1], and their ``forms`` (n, 5).
+    """Tyres of draws under their axle loads, (2, n, k) [1]."""
 
-    ``load`` over the weight, ``on_road`` the same but at least `_LEAST_LOAD`; ``grown`` change of
-    the load over the load at rest; ``most`` peak of the normalised force; ``compliant`` compliance
-    over the compliance at half the weight.
-    """
-
-    load: Array
-    on_road: Array
-    grown: Array
-    most: Array
-    compliant: Array
-    forms: Array
+    load: Array  # over the weight
+    on_road: Array  # the same, but at least `_LEAST_LOAD`
+    load_rise: Array  # change of the load over the load at rest
+    peak: Array  # of the normalised force
+    compliance: Array  # over the compliance at half the weight
+    forms: Array  # weights of the tyre forms (n, 5)
 
     def take(self, draws: Index) -> "LoadedTyres":
-        """The tyres of some ``draws``."""
+        """Return the tyres of these ``draws``."""
         return LoadedTyres(*(np.take(x, draws, axis=-2) for x in self))
 
     def slips(self, forces: Array) -> _UnitSlips:
         """Slips over compliance by (15), (16); tyre ``forces`` over the weight (..., 2, n, k)."""
-        use = forces / self.on_road / self.most
+        use = forces / self.on_road / self.peak
         unit = mean_inverse(use, self.forms)
         return _UnitSlips(
-            slip=self.most * unit * self.compliant,
+            slip=self.peak * unit * self.compliance,
             load=self.load,
-            grown=self.grown,
+            load_rise=self.load_rise,
             rolls=np.all((use < NEAR_PEAK) & (self.load > _LEAST_LOAD), axis=-3),
         )
 
 
 def loaded_tyres(car: Vehicle, e: Ensemble, z: Array, peak: Array | float = 1.0) -> LoadedTyres:
-    """Tyres of draws at decelerations ``z`` (n, k) [1], by (6), (7).
-
-    ``peak`` of the road over that of the ramp, (n,).
-    """
+    """Tyres of draws at decelerations ``z`` (n, k) [1]; ``peak`` is over that of the ramp, (n,)."""
     L = car.wheelbase
     l_f = (e.cg_to_front_axle * car.cg_to_front_axle)[:, None]
     moved = (e.cg_height * car.cg_height)[:, None] * z
     load = np.stack([L - l_f + moved, l_f - moved]) / L  # (6), (7)
     on_road = np.maximum(load, _LEAST_LOAD)
-    relative = np.log(2.0 * on_road)
+    log_load = np.log(2.0 * on_road)  # over half the weight
     return LoadedTyres(
         load=load,
         on_road=on_road,
-        grown=load * L / np.stack([L - l_f, l_f]) - 1.0,
-        most=(e.peak * peak)[:, None] * np.exp(-e.peak_load_exponent[:, None] * relative),
-        compliant=np.exp(e.load_exponent[:, None] * relative),
+        load_rise=load * L / np.stack([L - l_f, l_f]) - 1.0,
+        peak=(e.peak * peak)[:, None] * np.exp(-e.peak_load_exponent[:, None] * log_load),
+        compliance=np.exp(e.load_exponent[:, None] * log_load),
         forms=e.forms,
     )
 
 
 def wheel_slips(e: Ensemble, unit: _UnitSlips, softer: Array | float = 1.0) -> tuple[Array, Array]:
-    """True slips of the tyres, and the apparent slips that the wheel speeds show, (2, n, k) [1].
+    """True slips of the tyres, and the apparent slips by the wheel speeds, (2, n, k) [1].
 
     They differ since a wheel whose radius fell with its load turns faster. ``softer`` is the
     compliance over that on the ramp, (2, n, 1).
     """
     slips = softer * np.stack([e.compliance_f, e.compliance_r])[..., None] * unit.slip
-    return slips, 1.0 - (1.0 - slips) * np.exp(e.radius_load[:, None] * unit.grown)
+    return slips, 1.0 - (1.0 - slips) * np.exp(e.radius_load[:, None] * unit.load_rise)
 
 
 class SlipPrediction(NamedTuple):
-    """Predicted eta and slips of a braking at decelerations ``z`` (k,), by draw, (n, k) [1].
+    """Predicted eta and slips of a braking, by draw, (n, k) [1].
 
-    ``eta_rise`` is eta - 1 by (22), ``slip`` the mean of the axles weighed by load; both are zeroed
-    on the lead-in and include the discrepancy of the tyre form. Of the tyres, (2, n, k): ``forces``
-    over the loads of the vehicle file, and true ``slips``. ``rolls`` whether both axles are on the
-    road and no tyre is beyond its peak or slides.
+    ``eta_rise`` and ``slip`` are zeroed on the lead-in and include the discrepancy of the form.
     """
 
-    z: Array
-    eta_rise: Array
-    slip: Array
-    forces: Array
-    slips: Array
-    rolls: Mask
+    z: Array  # decelerations (k,)
+    eta_rise: Array  # eta - 1 by (22)
+    slip: Array  # mean of the apparent slips of the axles, weighed by load
+    forces: Array  # of the tyres, over the loads of the vehicle file (2, n, k)
+    slips: Array  # true slips of the tyres (2, n, k)
+    rolls: Mask  # whether both axles are on the road and no tyre is beyond its peak or slides
 
     @property
     def eta(self) -> Array:
@@ -207,16 +191,16 @@ def predict_slips(
     which the discrepancies are read; all [1]. ``peak`` as in `loaded_tyres`, ``softer`` as in
     `wheel_slips`.
     """
-    slowed = brake / (1.0 + sum(rotating_shares(car)))
+    slowed = brake / (1.0 + sum(rotating_shares(car)))  # deceleration by the brakes alone [1]
     tyres = np.stack(tyre_forces(car, front_share(car, log_ratio), brake, slowed))
     unit = loaded_tyres(car, e, slowed, peak).slips(tyres)
-    slips, turning = wheel_slips(e, unit, softer)
+    slips, apparent = wheel_slips(e, unit, softer)
     # weights (10, k) that interpolate linearly from `DEPART_AT` to z
     between = np.stack([np.interp(z, DEPART_AT, hat) for hat in np.eye(DEPART_AT.size)])
     return SlipPrediction(
         z=z,
-        eta_rise=(speed_ratio(*turning) - 1.0) * (1.0 + e.depart_eta @ between),
-        slip=np.sum(unit.load * turning, axis=0) * (1.0 + e.depart_slip @ between),
+        eta_rise=(speed_ratio(*apparent) - 1.0) * (1.0 + e.depart_eta @ between),
+        slip=np.sum(unit.load * apparent, axis=0) * (1.0 + e.depart_slip @ between),
         forces=tyres / np.stack(axle_loads(car, np.atleast_2d(slowed))) * car.weight,
         slips=slips,
         rolls=unit.rolls & np.all(slips < _STICKS, axis=0),

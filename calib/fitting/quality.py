@@ -31,12 +31,12 @@ from calib.run.resistance import identify as identify_resistance
 from calib.run.run import Run
 from calib.table.table import Value
 
-_SOME = 64  # draws whose median residual is taken; its error is far below that of a block
+_DRAWS = 64  # draws whose median residual is taken; its error is far below that of a block
 
 MOVE_ETA = (LATE, "unexplained_braking_force", "force_step")
 """Codes of mistakes that change eta: a fit with one of them is refused if no tyre explains eta."""
 
-_MOST = 3.0
+_LARGEST_RMS = 3.0
 """Root mean square of the residuals of eta above which a ramp is not explained [1].
 
 Tyres of other forms leave 0.5 to 1.4. A wheel speed that repeats its value for 0.1 s, which moves
@@ -51,12 +51,12 @@ def explained(
     refused: Callable[..., LogError],
     named: Sequence[PlausibilityWarning],
 ) -> tuple[Posterior, dict[str, float]]:
-    """The posterior of the ramps, and figures of its residuals.
+    """Return the posterior of the ramps, and figures of its residuals.
 
-    ``ratio`` prior of ln of the pads' ratio, ``priors`` informative priors of the car; ``named``
-    warnings whose causes may explain a misfit. Raises ``refused`` where no draw carries the forces,
-    where v contradicts the wheel speeds, and where no tyre explains eta, unless one of the
-    ``named`` causes is none of `MOVE_ETA`.
+    ``ratio`` is the prior of ln of the pads' ratio, ``priors`` are informative priors of the car,
+    ``named`` are warnings whose causes may explain a misfit. Raises ``refused`` where no draw
+    carries the forces, where v contradicts the wheel speeds, and where no tyre explains eta, unless
+    a warning in ``named`` is none of `MOVE_ETA`.
     """
     try:
         ensemble = posterior(car, runs, ratio, priors=priors)
@@ -68,21 +68,21 @@ def explained(
         ) from error
     by_ramp = _ramp_residuals(car, ensemble, runs)
     worst = max(_rms(eta) for eta, _ in by_ramp)
-    if worst > _MOST and any(run.slip is not None for run in runs):
-        alone = [replace(run, slip=None) for run in runs]
-        without_v = _ramp_residuals(car, posterior(car, alone, ratio, priors=priors), alone)
-        if max(_rms(eta) for eta, _ in without_v) < _MOST:
+    if worst > _LARGEST_RMS and any(run.slip is not None for run in runs):
+        without_v = [replace(run, slip=None) for run in runs]
+        by_wheels = posterior(car, without_v, ratio, priors=priors)
+        if max(_rms(eta) for eta, _ in _ramp_residuals(car, by_wheels, without_v)) < _LARGEST_RMS:
             raise refused(
                 "v contradicts the wheel speeds: no tyre explains both. With v the residual of eta "
-                f"is {worst:.1f} times its error, without v at most {_MOST:.0f} times",
+                f"is {worst:.1f} times its error, without v at most {_LARGEST_RMS:.0f} times",
                 expected="a v of the same car, in time and to scale",
                 do="check clock, filter and scale of v, or leave v out of the log",
             )
-    if worst > _MOST and all(warning.code in MOVE_ETA for warning in named):
+    if worst > _LARGEST_RMS and all(warning.code in MOVE_ETA for warning in named):
         likely = [warning.causes[0] for warning in named]
         raise refused(
             f"no tyre explains eta: the residual is {worst:.1f} times the error of wheel speeds",
-            expected=f"at most {_MOST:.0f} times",
+            expected=f"at most {_LARGEST_RMS:.0f} times",
             do="; or ".join([*likely, "a wheel speed that is late, or coarse"])
             + ": look at the log with `brake-cal check`",
         )
@@ -105,17 +105,17 @@ def _ramp_residuals(
 def residuals(car: Vehicle, e: Ensemble, run: RampRun) -> tuple[Array, Array]:
     """Residuals of eta and slip over their errors at the braked blocks, (k,) each.
 
-    Without v those of the slip are empty. The error includes the noise of z, by which a block has
-    its forces: on a rough road that noise is five times that of the wheels.
+    The residuals of slip are empty without v. The errors include that of the forces by the noise of
+    z, which on a rough road is five times the noise of the wheels.
     """
-    regression = Regression(car, [run], most=None)
+    regression = Regression(car, [run], groups=None)
     (ramp,) = regression.ramps
     z, z_noise = ramp.z[1:], run.noise.z / np.sqrt(run.blocks.length)
     forces = np.repeat(np.abs(ramp.rows @ z) / (z @ z) * z_noise, z.size)
     errors = regression.errors["noise"], regression.errors["tyres"], forces[:, None]
     sigma = np.linalg.norm(np.hstack(errors), axis=1)
     lasting = np.hstack([regression.errors["zeros"], regression.errors["accelerometer"]])
-    residual = regression.residuals(e.take(np.linspace(0, e.size - 1, _SOME).astype(np.int64)))
+    residual = regression.residuals(e.take(np.linspace(0, e.size - 1, _DRAWS).astype(np.int64)))
     # subtract the errors that last over the run, as far as its rows determine them
     residual -= residual @ regression.white.T @ regression.white @ lasting @ lasting.T
     eta, slip = np.split(np.median(residual, axis=0) / sigma, 2)
@@ -123,7 +123,7 @@ def residuals(car: Vehicle, e: Ensemble, run: RampRun) -> tuple[Array, Array]:
 
 
 def _rms(x: Array) -> float:
-    """Root mean square, 0 of nothing."""
+    """Root mean square, 0 for an empty ``x``."""
     return float(np.linalg.norm(x) / np.sqrt(max(x.size, 1)))
 
 
@@ -155,7 +155,8 @@ def remarks(
 ) -> Iterator[str]:
     """Yield sentences on decisions of the fit that the table's numbers and warnings do not show.
 
-    ``vehicle`` and ``mass`` as in the logs; ``prior_support`` probabilities of informative priors.
+    ``vehicle`` and ``mass`` are those of the logs; ``prior_support`` has the posterior probability
+    of each informative prior.
     """
     if vehicle.effects.described:
         yield f"known effects taken out of the logs: {', '.join(vehicle.effects.described)}"
@@ -179,22 +180,19 @@ def warnings_of(
     """Yield the warnings of vehicle and logs before the fit; only the fit can warn of the pads.
 
     ``filed`` is the vehicle of the file. ``identified`` is the resistance of all logs, which is
-    judged unless the file gives one. Where there are coasts, a ramp is judged with their
-    resistance.
+    judged unless the file gives one. A ramp is judged with the resistance of the coasts, if any.
     """
-    yield from (
-        warning
-        for warning in vehicle_warnings(filed)
-        if not warning.code.startswith("pad_friction")
-    )
+    for warning in vehicle_warnings(filed):
+        if not warning.code.startswith("pad_friction"):
+            yield warning
     car = ramps[0].car
     if ROLLING[0] not in car.effects:
         yield from rule_warnings(car.name, [Measured("rolling_resistance", identified.mean[1])])
-    rolling = (
-        identify_resistance(car, ((x.blocks, x.noise.z) for x in coasts)) if coasts else identified
-    )
+    of_coasts = identified
+    if coasts:
+        of_coasts = identify_resistance(car, ((x.blocks, x.noise.z) for x in coasts))
     straight = {FIT: coasts, COAST: ()}
-    runs = [(run, FIT, rolling) for run in ramps] + [(run, COAST, identified) for run in coasts]
+    runs = [(run, FIT, of_coasts) for run in ramps] + [(run, COAST, identified) for run in coasts]
     for run, purpose, resistance in runs:
         sensor, response = run.accelerometer(resistance), run.response(identified.effects)
         yield from warnings_on(Evidence(run, sensor, response, straight[purpose]), purpose)

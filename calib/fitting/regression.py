@@ -26,10 +26,10 @@ from calib.fitting.ensemble import DEPART_AT, Ensemble, LoadedTyres, loaded_tyre
 from calib.model.ramp import RampRun
 from calib.run.filters import GroupMean
 
-_GROUPS = 14  # groups of blocks of a ramp: two of them are within the length of a discrepancy
-_GRADE = 0.001  # random walk of bias and slope [1/sqrt(s)]
+_GROUPS = 14  # groups of blocks of a ramp: two are within the length of a discrepancy
+_GRADE = 0.001  # random walk of the road's grade and the bias of a_x [1/sqrt(s)]
 _CLOCK = 0.01  # standard deviation of the delay of v after the wheels [s]
-_WALKED = 5e-5  # standard deviation of the drift of eta's zero since the lead-in [1]
+_DRIFT = 5e-5  # standard deviation of the drift of eta's zero since the lead-in [1]
 _FINEST = 5e-4  # eta - 1 or slip below which the discrepancy no longer shrinks [1]
 _ROUGH = 0.02  # uncorrelated share of the variance of the discrepancy
 
@@ -37,15 +37,14 @@ _KINDS = ("eta", "slip")  # kinds of rows, in their order
 _DISCREPANCY = {"eta": CAR.form_error_eta.mean, "slip": CAR.form_error_slip.mean}  # relative
 
 
-def _carried_on(
+def _slip_by_acceleration(
     car: Vehicle, run: RampRun, eta_zero: float, mean: Callable[[Array], Array], length: Array
 ) -> tuple[Array, dict[str, Array]]:
-    """Slip (k,) by a speed from a_x, where v is not logged, and its errors by cause.
+    """Slip (k,) by a speed from a_x, where v is not logged, and the errors of the slip by cause.
 
-    v = v_0 - g int (1 - e) (z - o) dt with scale e and offset o of a_x. The wheels turn at
-    v (1 - slip). As the car slows, slip contributes less to v - R omega and e contributes more, so
-    both are observable. ``mean`` averages over groups of blocks, ``length`` is that of each [s];
-    ``eta_zero`` eta on the lead-in [1].
+    v = v_0 - g int (1 - e) (z - o) dt, with scale e and offset o of a_x. As the car slows, slip
+    contributes less to v - R omega and e contributes more, so slip and e are observable. ``mean``
+    averages over groups of blocks of ``length`` [s]; ``eta_zero`` is eta on the lead-in [1].
     """
     b, noise, lead, R = run.blocks, run.noise, run.rolling, car.front.rolling_radius
     rear = 1.0 - run.load_f / car.weight
@@ -54,38 +53,42 @@ def _carried_on(
     slope, v_0 = np.polyfit(time[lead], rim[lead], 1)
     offset = np.mean(b.z[lead]) + slope / G
     lost = np.cumsum(np.where(time > 0.0, G * (b.z - offset) * b.length, 0.0))
-    t, gone, u, z = (mean(x)[1:] for x in (time, lost, rim, b.z))
+    # means of the groups: time [s], speed lost by a_x [m/s], R omega [m/s], z [1]
+    t, fall, u, z = (mean(x)[1:] for x in (time, lost, rim, b.z))
     v = u * (1.0 + CAR.compliance.mean * z)
     wheel, rolled = noise.omega * R, lead.size * b.length
     earlier = np.minimum.outer(t, t)
     walk = (_GRADE * earlier) ** 2 * (np.maximum.outer(t, t) / 2.0 - earlier / 6.0)
-    off = G**2 * (noise.z**2 * earlier + walk) + np.diag(wheel**2 / length)
+    covariance = G**2 * (noise.z**2 * earlier + walk) + np.diag(wheel**2 / length)
     # The speed at the middle of the lead-in and its slope have independent errors.
     of_slope = np.sqrt(12.0) * wheel / rolled * (t + 0.5 * rolled)
     zeros = np.stack([of_slope, np.full_like(t, wheel), G * noise.z * t]) / np.sqrt(rolled)
-    return (v_0 - (1.0 - LOG.a_x_scale.mean) * gone - u) / v, {
-        "noise": np.linalg.cholesky(off / np.outer(v, v)),
+    return (v_0 - (1.0 - LOG.a_x_scale.mean) * fall - u) / v, {
+        "noise": np.linalg.cholesky(covariance / np.outer(v, v)),
         "zeros": (zeros / v).T,
-        "accelerometer": (-gone * LOG.a_x_scale.sigma / v)[:, None],
+        "accelerometer": (-fall * LOG.a_x_scale.sigma / v)[:, None],
     }
 
 
 class _Ramp:
-    """One ramp: means over its lead-in, on which eta and slip are zero, and over groups of blocks.
+    """One ramp: means [1] over its lead-in, on which eta and slip are zero, and over k groups."""
 
-    Over lead-in and k groups, (..., 1 + k) [1]: ``z``; ``brake`` force of both axles over the
-    weight; ``moments`` other torques of the axles as forces over the weight, (..., 2, 1 + k);
-    ``log_odds`` ln of front over rear pressure. ``only`` the axle that brakes alone, else None.
-    ``rows`` eta - 1 and slip of the groups, (..., 2, k). ``errors`` of both kinds of rows by cause,
-    (k, m) each: a column is an error of one standard deviation.
-    """
+    z: Array  # deceleration (1 + k,)
+    only: str | None  # axle that brakes alone
+    brake: Array  # force of both axles over the weight (..., 1 + k)
+    moments: Array  # other torques of the axles, as forces over the weight (..., 2, 1 + k)
+    log_odds: Array  # ln of front over rear pressure (..., 1 + k)
+    rows: Array  # eta - 1 and slip of the groups (..., 2, k)
+    errors: tuple[dict[str, Array], dict[str, Array]]
+    """Errors of the rows of eta and of slip by cause (k, m): a column is one standard deviation."""
 
-    def __init__(self, car: Vehicle, run: RampRun, most: int | None) -> None:
+    def __init__(self, car: Vehicle, run: RampRun, groups: int | None) -> None:
         braked, lead = np.flatnonzero(run.braked), run.rolling
         if not (braked.size and lead.size):
             raise ValueError("no blocks of a braking, or none of rolling before it")
-        groups = [lead, *np.array_split(braked, min(most or braked.size, braked.size))]
-        self._car, self._run, self._mean = car, run, GroupMean(groups)
+        count = min(groups or braked.size, braked.size)
+        self._car, self._run = car, run
+        self._mean = GroupMean([lead, *np.array_split(braked, count)])
         self.z, self.only = self._mean(run.quasi_static(car)), run.only
         self.brake, self.moments, self.log_odds = (x[0] for x in self._forces([run]))
         self.rows, self.errors = self._wheels(run)
@@ -98,9 +101,10 @@ class _Ramp:
         return other
 
     def _forces(self, runs: Sequence[RampRun]) -> tuple[Array, Array, Array]:
-        """``brake``, ``moments`` and ``log_odds`` of each of ``runs`` (s,)."""
-        each = [(x.brake_sum, x.drag_f, x.drag_r, x.blocks.p_f, x.blocks.p_r) for x in runs]
-        signals = np.array(each)  # (s, 5, blocks)
+        """Return ``brake``, ``moments`` and ``log_odds`` of each of ``runs`` (s,)."""
+        signals = np.array(  # (s, 5, blocks)
+            [(x.brake_sum, x.drag_f, x.drag_r, x.blocks.p_f, x.blocks.p_r) for x in runs]
+        )
         np.maximum(signals[:, 3:], 1.0, out=signals[:, 3:])
         means = self._mean(signals)  # (s, 5, 1 + k)
         brake, weight = means[:, 0], self._car.weight
@@ -108,66 +112,66 @@ class _Ramp:
         return (brake - brake[:, :1]) / weight, means[:, 1:3] / weight, log_odds
 
     def _rows_of(self, run: RampRun) -> Array:
-        """``rows`` of a variant of the run: its own where the wheel speeds are those of the run."""
-        b, own = run.blocks, self._run.blocks
-        same = b.omega_f is own.omega_f and b.omega_r is own.omega_r
+        """Return ``rows`` of a variant of the run; they differ where its wheel speeds do."""
+        b, measured = run.blocks, self._run.blocks
+        same = b.omega_f is measured.omega_f and b.omega_r is measured.omega_r
         return self.rows if same else self._wheels(run)[0]
 
     def _wheels(self, run: RampRun) -> tuple[Array, tuple[dict[str, Array], dict[str, Array]]]:
-        """``rows`` and ``errors`` by the wheel speeds, and by v where it is logged."""
+        """Return ``rows`` and ``errors`` by the wheel speeds, and by v where v is logged."""
         b, noise, mean, car = run.blocks, run.noise, self._mean, self._car
         time = self._mean.sizes * b.length
         eta, wheels = mean(b.eta), noise.omega / mean(b.omega_f)
         zero_wheels, zeros = wheels[0] / np.sqrt(time[0]), np.ones((time.size - 1, 1))
         if run.slip is None:
-            slip, of_slip = _carried_on(car, run, eta[0], mean, time[1:])
+            slip, of_slip = _slip_by_acceleration(car, run, eta[0], mean, time[1:])
         else:
-            measured, late = mean(run.slip), noise.v / mean(b.speed)
+            measured, by_v = mean(run.slip), noise.v / mean(b.speed)
             slip = measured[1:] - measured[0]
             of_slip = {
-                "noise": np.diag(np.sqrt((wheels**2 + late**2) / time)[1:]),
-                "zeros": np.hypot(zero_wheels, late[0] / np.sqrt(time[0])) * zeros,
+                "noise": np.diag(np.sqrt((wheels**2 + by_v**2) / time)[1:]),
+                "zeros": np.hypot(zero_wheels, by_v[0] / np.sqrt(time[0])) * zeros,
                 "clock": (_CLOCK * G * mean(b.z) / mean(b.speed))[1:, None],
             }
         of_eta = {
             "noise": np.diag((np.sqrt(2.0 / time) * wheels)[1:]),
-            "zeros": np.hypot(np.sqrt(2.0) * zero_wheels, _WALKED) * zeros,
+            "zeros": np.hypot(np.sqrt(2.0) * zero_wheels, _DRIFT) * zeros,
         }
         return np.array([eta[1:] / eta[0] - 1.0, slip]), (of_eta, of_slip)
 
 
 class Solution(NamedTuple):
-    """Posterior of the linear parameters of draws (..., n), in standard normal numbers x (3,).
+    """Posterior of the linear parameters of draws (..., n), in standard normal numbers x (3,)."""
 
-    ``log_evidence`` (..., n) ln of the likelihood of a draw; ``mean`` (..., n, 3) and ``precision``
-    (..., n, 3, 3) of x; whitened ``design`` matrix (..., n, 3, k) and ``data`` (..., n, k).
-    """
-
-    log_evidence: Array
-    mean: Array
-    precision: Array
-    design: Array
-    data: Array
+    log_evidence: Array  # ln of the likelihood of a draw (..., n)
+    mean: Array  # of x (..., n, 3)
+    precision: Array  # of x (..., n, 3, 3)
+    design: Array  # whitened design matrix (..., n, 3, k)
+    data: Array  # whitened data (..., n, k)
 
     def take(self, places: int | Index) -> "Solution":
-        """The posteriors at ``places`` of the first axis."""
+        """Return the posteriors at ``places`` of the first axis."""
         return Solution(*(x[places] for x in self))
 
     def residual(self, draw: int) -> Array:
-        """Residual (k,) of one draw with its mean of x, in standard deviations."""
+        """Residual (k,) of one draw at the mean of x, in standard deviations."""
         return np.asarray(self.data[draw] - self.mean[draw] @ self.design[draw])
 
 
 class Regression:
-    """The regression on all ramps: rows of eta, then of slip, of one ramp after the other.
+    """The regression on all ramps: rows of eta, then of slip, of one ramp after the other."""
 
-    ``most`` is the largest number of groups of blocks of a ramp, None for a row of each block.
-    ``errors`` (k, m) by part of a budget: a column is an error of one standard deviation. ``white``
-    (k, k) whitens the rows.
-    """
+    ramps: list[_Ramp]
+    errors: dict[str, Array]
+    """Errors of the rows (k, m) by part of a budget: a column is one standard deviation."""
+    white: Array  # matrix that whitens the rows (k, k)
+    places: Array  # deceleration of each row (k,) [1]
+    discrepancy_sizes: dict[str, Array]
+    """Discrepancy of each row of a kind, 0 in other rows and where one axle brakes alone (k,)."""
 
-    def __init__(self, car: Vehicle, runs: list[RampRun], most: int | None = _GROUPS) -> None:
-        self.car, self.most, self.ramps = car, most, [_Ramp(car, run, most) for run in runs]
+    def __init__(self, car: Vehicle, runs: list[RampRun], groups: int | None = _GROUPS) -> None:
+        """Read the runs; ``groups`` of blocks of a ramp at most, None for a row of each block."""
+        self.car, self.ramps = car, [_Ramp(car, run, groups) for run in runs]
         self.errors = {
             "noise": self._errors_of("noise"),
             "tyres": np.asarray(np.linalg.cholesky(self._form())),
@@ -188,7 +192,7 @@ class Regression:
         return other
 
     def _errors_of(self, cause: str) -> Array:
-        """Errors of all rows by one cause (k, m): those of two ramps are independent."""
+        """Errors of all rows by one cause (k, m), independent between ramps."""
         from scipy.linalg import block_diag
 
         parts = []
@@ -202,11 +206,13 @@ class Regression:
 
         Rows of two kinds, and of ramps with other braked axles, have independent discrepancies.
         """
-        each = [(ramp, *row) for ramp in self.ramps for row in zip(_KINDS, ramp.rows, strict=True)]
-        kind = np.concatenate([np.full(x.size, f"{name} {ramp.only}") for ramp, name, x in each])
-        sizes = [_DISCREPANCY[name] * np.maximum(np.abs(x), _FINEST) for _, name, x in each]
-        size = np.concatenate(sizes)
-        self.places = np.concatenate([ramp.z[1:] for ramp, _, _ in each])
+        kinds, sizes, places = [], [], []
+        for ramp in self.ramps:
+            for name, row in zip(_KINDS, ramp.rows, strict=True):
+                kinds.append(np.full(row.size, f"{name} {ramp.only}"))
+                sizes.append(_DISCREPANCY[name] * np.maximum(np.abs(row), _FINEST))
+                places.append(ramp.z[1:])
+        kind, size, self.places = map(np.concatenate, (kinds, sizes, places))
         self.discrepancy_sizes = {name: size * (kind == f"{name} None") for name in _KINDS}
         near = _near(self.places, self.places) * (kind[:, None] == kind)
         return np.asarray(size[:, None] * size * (near + _ROUGH * np.eye(size.size)))
@@ -218,8 +224,8 @@ class Regression:
     def rows(self, e: Ensemble, loaded: Sequence[LoadedTyres] | None = None) -> tuple[Array, Mask]:
         """Design matrix and data, (..., n, 4, k), and whether no tyre is beyond its peak (..., n).
 
-        Of the four, three belong to front and rear compliance and fall of the radii; the last is
-        the data. ``loaded`` tyres of the draws ``e``, computed where they are not given.
+        The first three of the four rows belong to front compliance, rear compliance and fall of the
+        radii, the last is the data. ``loaded`` are the tyres of the draws ``e``, if known.
         """
         pairs = zip(self.ramps, loaded or self.loaded(e), strict=True)
         rows, rolls = zip(*(self._rows_of(r, e, tyres) for r, tyres in pairs), strict=True)
@@ -231,16 +237,19 @@ class Regression:
         brakes = np.stack([share, 1.0 - share], axis=-3) * r.brake[..., None, None, :]
         unit = tyres.slips(brakes + r.moments[..., None, :])
         # changes since the lead-in: slips (..., 2, n, k), loads (2, n, k)
-        slips, grown = (x[..., 1:] - x[..., :1] for x in (unit.slip, unit.grown))
+        slips, load_rise = (x[..., 1:] - x[..., :1] for x in (unit.slip, unit.load_rise))
         load, front = unit.load[..., 1:], unit.slip[..., 0, :, 1:]
         rows = np.empty((*front.shape[:-1], 4, 2 * front.shape[-1]))
         of_eta, of_slip = np.split(rows, 2, axis=-1)
         of_eta[..., 0, :], of_eta[..., 1, :] = slips[..., 0, :, :], -slips[..., 1, :, :]
-        of_eta[..., 2, :] = grown[1] - grown[0]
+        of_eta[..., 2, :] = load_rise[1] - load_rise[0]
         # (eta - 1) (1 - slip_f) is linear in the compliances; slip_f by the mean compliance
         of_eta[..., 3, :] = r.rows[..., :1, :] * (1.0 - CAR.compliance.mean * front)
         of_slip[..., :2, :] = (load * slips).swapaxes(-3, -2)
-        of_slip[..., 2, :], of_slip[..., 3, :] = -np.sum(load * grown, axis=0), r.rows[..., 1:, :]
+        of_slip[..., 2, :], of_slip[..., 3, :] = (
+            -np.sum(load * load_rise, axis=0),
+            r.rows[..., 1:, :],
+        )
         return rows, np.asarray(unit.rolls.all(axis=-1))
 
     def solve(
@@ -258,7 +267,7 @@ class Regression:
         ``anywhere``: then it has the slip of the peak.
         """
         rows, rolls = self.rows(e, loaded)
-        # rows of the parameters to rows of x, and data to data less the part of the centre
+        # to_x turns rows of the parameters into rows of x, and subtracts the centre from the data
         to_x = np.zeros((e.size, 4, 4))
         to_x[:, :3, :3], to_x[:, 3, :3], to_x[:, 3, 3] = root.transpose(0, 2, 1), -centre, 1.0
         white: Array = to_x @ (rows @ self.white.T)
@@ -280,7 +289,7 @@ class Regression:
     def discrepancies(self, residual: Array, rng: np.random.Generator) -> dict[str, Array]:
         """Columns of an `Ensemble` from whitened residuals (n, k): ``v_late`` and ``depart_...``.
 
-        ``v_late`` is a draw of the delay of v, the mean of the m runs with v, 0 without any.
+        ``v_late`` is a draw of the delay of v, a mean over the m runs with v; 0 without any.
         ``depart_eta`` and ``depart_slip`` are posterior means of the discrepancy of the tyre form.
         """
         clock, near = self.white @ self._errors_of("clock"), _near(self.places, DEPART_AT)

@@ -26,15 +26,12 @@ _DEFAULTS = {
     "wave": (25e5, _STEP_RATE, 20.0),
     "coast": (0.0, _STEP_RATE, 20.0),
 }
-"""Pressure [Pa] where none is given, its rise [Pa/s], and the time for which it is held [s].
-
-The time of a `coast` is that of the whole manoeuvre."""
+"""Default pressure [Pa], its rise [Pa/s], and the time at it [s] (of a `coast`, the whole time)."""
 
 _BOUNDS = {"pressure": (1.0, 3e7, "Pa"), "rate": (40.0, 1e3, "Hz"), "duration": (1e-3, 600.0, "s")}
-"""Least and largest value of each argument, with its unit; the rates are those of a log."""
+"""Least and largest value of each argument, with its unit."""
 
 NAMES = tuple(_DEFAULTS)
-"""Names of the manoeuvres."""
 
 
 def manoeuvre(
@@ -57,8 +54,8 @@ def manoeuvre(
             expected = f"{low:g} to {high:g} {unit}"
             raise ModelError(f"{quantity} {value:g} {unit}", where=name, expected=expected)
     default_pressure, slope, hold = _DEFAULTS[name]
-    level = default_pressure if pressure is None else pressure
-    rise = level / slope
+    plateau = default_pressure if pressure is None else pressure
+    rise = plateau / slope
     if duration is not None and name == "ramp":
         rise = duration
     elif duration is not None:
@@ -66,7 +63,7 @@ def manoeuvre(
     top = LEAD_IN + rise
     end = hold if name == "coast" else top + hold
     time = np.arange(int(np.floor(end * rate + 1e-9)) + 1) / rate
-    trace = np.interp(time, [LEAD_IN, top], [0.0, level])
+    trace = np.interp(time, [LEAD_IN, top], [0.0, plateau])
     if name == "wave":
         phase = 2.0 * np.pi * _FREQUENCY * np.maximum(time - top, 0.0)
         trace *= 1.0 + _SWING * np.sin(phase)

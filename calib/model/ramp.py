@@ -11,9 +11,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from calib.base.arrays import Array
+from calib.base.arrays import Array, Index, Mask
 from calib.base.errors import LogError
 from calib.base.warning import REFUSE, unexplained
 from calib.car.balance import brake_forces
@@ -37,17 +36,17 @@ class _FitSettings:
     min_speed: float = 5.0
     """Below this v [m/s] the clock offset and the noise of v swallow the slip."""
     outlier: float = 4.0
-    """Residuals past this many sigma count as outliers: 500 blocks of pure noise have one in 30
-    runs."""
+    """Residuals past this many sigma are outliers: 500 blocks of noise have one in 30 runs."""
     fastest: float = 0.5
-    """A block takes no part while the pressure changes the deceleration faster than this [g/s]: the
-    lag of pads, lines and body then moves eta by as much as braking does. A ramp to 0.6 g within
-    3 s has 0.2 g/s, a pedal that is let go at the end of a ramp 1 to 3 g/s."""
+    """A block takes no part while the deceleration by the pressure changes faster than this [g/s]:
+    the lag of pads, lines and body then moves eta by as much as braking does. A ramp to 0.6 g
+    within 3 s has 0.2 g/s, a pedal that is let go 1 to 3 g/s."""
     late: float = 0.15
     """Time after a change faster than ``fastest`` for which blocks take no part either [s]."""
     disturbance_of_eta: float = 0.12
     """Departure of eta from its smooth course, divided by its range on the ramp, from which on
-    something else acts: a gear shift of 240 N m moves it by a third of the range, a bump by all."""
+    a block is disturbed: a gear shift of 240 N m moves eta by a third of the range, a bump by
+    all."""
     disturbance_of_force: float = 0.03
     """The same departure of the demanded brake force, divided by its largest value."""
     disturbance_gate: float = 6.0
@@ -56,11 +55,10 @@ class _FitSettings:
     """With fewer braked blocks no disturbance is looked for. A disturbance needs a fifth of this
     number of calm blocks before it, after it, and at more force than it has."""
     disturbance_share: float = 0.3
-    """If more than this share of the braked blocks is disturbed, the cause is the car, and no block
-    is left out."""
+    """If a larger share of the braked blocks is disturbed, the cause is the car: all take part."""
     flat: float = 0.1
-    """z is not read from the curve eta(z) where its slope is below this share of its first slope:
-    there an error of eta moves D ten times as far as at the start."""
+    """z is not read from the curve eta(z) where its slope is below this share of the first slope:
+    there an error of eta moves D ten times as far."""
     rows: int = 61
     """Rows of a look-up: linear interpolation between them errs by less than 1e-4 in D."""
     min_count: int = 3
@@ -69,38 +67,28 @@ class _FitSettings:
 
 SETTINGS = _FitSettings()
 
-_ZEROED = 3.0
-"""Time before the bite over which eta and slip are zeroed [s]."""
+_ZEROED = 3.0  # time before the bite over which eta and slip are zeroed [s]
 
 
 @dataclass(frozen=True)
 class RampRun:
-    """One ramp or stop, ready to fit: signals and forces of its k blocks. SI, shapes (k,).
+    """One ramp or stop, ready to fit: signals and forces of its k blocks. SI, shapes (k,)."""
 
-    ``name`` of the log; ``blocks`` means of its signals, ``noise`` of its sensors; ``load_f`` front
-    axle load [N]; ``drag_f``, ``drag_r`` force at the road that slows the wheels of an axle besides
-    the brake, their inertia included [N]; ``brake_sum`` brake force of both axles that the
-    deceleration demands [N]; ``slip`` measured mean slip [1], None without v; ``use`` blocks that
-    take part in a fit; ``accelerometer`` the correction of z with its uncertainty, None where z is
-    exact; ``only`` the axle that brakes alone, None where both do; ``left_out`` braked blocks that
-    are disturbed, None before `calib.fitting.disturbances` has looked for them.
-    """
-
-    name: str
-    blocks: Blocks
+    name: str  # of the log
+    blocks: Blocks  # means of the signals
     noise: SensorNoise
-    load_f: Array
-    drag_f: Array
-    drag_r: Array
-    brake_sum: Array
-    slip: Array | None
-    use: NDArray[np.bool_]
-    accelerometer: Accelerometer | None = None
-    only: Axle | None = None
-    left_out: NDArray[np.bool_] | None = None
+    load_f: Array  # front axle load [N]
+    drag_f: Array  # force that slows the front wheels besides the brake, with their inertia [N]
+    drag_r: Array  # the same of the rear wheels [N]
+    brake_sum: Array  # brake force of both axles that the deceleration demands [N]
+    slip: Array | None  # measured mean slip [1], None without v
+    use: Mask  # blocks that take part in a fit
+    accelerometer: Accelerometer | None = None  # correction of z, None where z is exact
+    only: Axle | None = None  # the axle that brakes alone, None where both axles brake
+    left_out: Mask | None = None  # disturbed blocks, None before `calib.fitting.disturbances`
 
     @cached_property
-    def braked(self) -> NDArray[np.bool_]:
+    def braked(self) -> Mask:
         """Blocks that take part and in which a brake bites (k,)."""
         return self.use & (np.maximum(self.blocks.p_f, self.blocks.p_r) > BITE)
 
@@ -111,12 +99,12 @@ class RampRun:
 
     def quasi_static(self, vehicle: Vehicle) -> Array:
         """Deceleration [1] (k,) at which a car without effects has these axle loads, by (6)."""
-        moved = self.load_f * vehicle.wheelbase / vehicle.weight - vehicle.cg_to_rear_axle
-        return np.asarray(moved / vehicle.cg_height)
+        lever = self.load_f * vehicle.wheelbase / vehicle.weight  # l_r + h z [m]
+        return np.asarray((lever - vehicle.cg_to_rear_axle) / vehicle.cg_height)
 
     @cached_property
-    def rolling(self) -> NDArray[np.int64]:
-        """Indices of the last blocks of the lead-in that take part: eta and slip are zero there."""
+    def rolling(self) -> Index:
+        """Indices of the last usable blocks of the lead-in: eta and slip are zeroed there."""
         lead = np.flatnonzero(self.blocks.lead_in & self.use)
         return lead[-round(_ZEROED / self.blocks.length) :]
 
@@ -124,16 +112,13 @@ class RampRun:
     def braking(self) -> Array:
         """Brake force of both axles [N] (k,): ``brake_sum`` less its mean on the lead-in.
 
-        No brake acts there: that mean is the offset of a_x, the slope and other resistances.
+        That mean is the offset of a_x, the slope and other resistances, since no brake acts there.
         """
         zero = np.mean(self.brake_sum[self.rolling]) if self.rolling.size else 0.0
         return np.asarray(self.brake_sum - zero)
 
     def since_rolling(self, measured: Array) -> Array:
-        """A ``measured`` eta [1] (k,) less its mean on the lead-in: the part by braking.
-
-        The mean holds the radii of the axles, which may differ by per cents.
-        """
+        """Change of a ``measured`` eta [1] (k,) since the lead-in, whose mean holds the radii."""
         return np.asarray(measured - np.mean(measured[self.rolling]))
 
 
@@ -155,11 +140,11 @@ def sort_runs(runs: Sequence[Run]) -> tuple[list[Run], list[Run], list[Run]]:
     reasons |= {run: unusable(run, VALIDATE) for run in stops}
     ramps = [run for run in braked if run not in stops]
     purposes = dict.fromkeys(coasts, COAST) | dict.fromkeys(ramps, FIT)
-    all_reasons = [(reason, run) for run in ordered for reason in reasons[run]]
-    if all_reasons:
+    refusals = [(reason, run) for run in ordered for reason in reasons[run]]
+    if refusals:
         # a mistake that all logs share may show itself in one of them alone
-        first = unexplained(reason for reason, _ in all_reasons)[0]
-        run = next(run for reason, run in all_reasons if reason is first)
+        first = unexplained(reason for reason, _ in refusals)[0]
+        run = next(run for reason, run in refusals if reason is first)
         require_none(reasons[run], run, purposes.get(run, VALIDATE))
     if not ramps:
         raise LogError(
@@ -179,21 +164,21 @@ def sort_runs(runs: Sequence[Run]) -> tuple[list[Run], list[Run], list[Run]]:
 def prepare(run: Run, effects: Effects, accelerometer: Accelerometer | None = None) -> RampRun:
     """Return the ramp of a run: loads, resistances and demanded brake force of each block.
 
-    ``effects`` known of body and wheels; the ``accelerometer`` corrects z, if given.
+    ``effects`` are the known effects of body and wheels; the ``accelerometer`` corrects z.
 
-    Blocks of these kinds take no part in a fit:
-    * an axle would lift, which only a glitch of a_x shows; such a block has no loads either;
-    * between the lead-in and the bite, and after a release: the pads may touch;
-    * so long before the bite that the zeros of eta and slip are lost (`calib.run.noise`);
-    * the pressure changes fast, or has just before, as when the pedal is let go.
+    These blocks take no part in a fit:
+    * blocks in which an axle would lift, by a glitch of a_x; they have no loads (NaN) either;
+    * blocks between the lead-in and the bite, and after a release: the pads may touch;
+    * blocks so long after the lead-in that the zeros of eta and slip are lost (`calib.run.noise`);
+    * blocks in which, or just before which, the pressure changes fast.
     """
     vehicle, b, noise = run.car, run.felt(accelerometer), run.noise
     forces = block_balance(vehicle, effects, b)
-    stands = np.minimum(forces.load_f, forces.load_r) > 0.0
+    on_road = np.minimum(forces.load_f, forces.load_r) > 0.0
     # the last blocks of a stop hold the jerk at standstill
-    use = (b.speed > SETTINGS.min_speed) & (b.end < b.end[-1] - 0.1) & stands
+    use = (b.speed > SETTINGS.min_speed) & (b.end < b.end[-1] - 0.1) & on_road
     use &= b.lead_in | (np.maximum(b.p_f, b.p_r) > BITE)
-    load_f = np.where(stands, forces.load_f, np.nan)
+    load_f = np.where(on_road, forces.load_f, np.nan)
     ramp = RampRun(
         name=run.log.name,
         blocks=b,
@@ -207,12 +192,12 @@ def prepare(run: Run, effects: Effects, accelerometer: Accelerometer | None = No
         accelerometer=accelerometer,
         only=run.alone,
     )
-    turning = np.maximum(b.omega_f, 1.0)  # [rad/s]; what turns slower takes no part
-    eta_density = np.asarray(np.sqrt(2.0) * noise.omega / turning)  # [s^0.5]
+    omega = np.maximum(b.omega_f, 1.0)  # [rad/s]; slower blocks take no part
+    eta_density = np.asarray(np.sqrt(2.0) * noise.omega / omega)  # [s^0.5]
     is_zeroed = np.isfinite(sigma_growth(b.end, b.lead_in, eta_density))
     if ramp.slip is not None:
-        speed = np.maximum(b.speed, SETTINGS.min_speed)  # slower blocks take no part
-        slip_density = np.asarray(np.hypot(noise.v / speed, noise.omega / turning))
+        speed = np.maximum(b.speed, SETTINGS.min_speed)
+        slip_density = np.asarray(np.hypot(noise.v / speed, noise.omega / omega))
         is_zeroed |= np.isfinite(sigma_growth(b.end, b.lead_in, slip_density))
     B_f, B_r = nominal_forces(vehicle, ramp, 0.0)
     rate = np.abs(np.gradient((B_f + B_r) / vehicle.weight, b.end))
@@ -221,10 +206,7 @@ def prepare(run: Run, effects: Effects, accelerometer: Accelerometer | None = No
 
 
 def pad_scale(run: RampRun, B_f: Array, B_r: Array) -> float:
-    """Factor [1] on brake forces ``B_f``, ``B_r`` [N] (k,) that fits their sum to the demanded one.
-
-    The fit is by least squares over the braked blocks.
-    """
+    """Factor [1] on brake forces [N] (k,) that fits their sum to the demand, by least squares."""
     total = (B_f + B_r)[run.braked]
     return float(total @ run.braking[run.braked] / (total @ total))
 
@@ -232,8 +214,8 @@ def pad_scale(run: RampRun, B_f: Array, B_r: Array) -> float:
 def nominal_forces(vehicle: Vehicle, run: RampRun, log_ratio: Array | float) -> tuple[Array, Array]:
     """Brake forces [N] of front and rear axle, (k,) each, with nominal pads.
 
-    ``log_ratio`` is ln of the ratio of front to rear pads over that of the file [1]. Without
-    pressure, or where the other axle brakes alone, an axle has none.
+    ``log_ratio`` is ln of the ratio of front to rear pads over that of the file [1]. The force is
+    0 without pressure, and where the other axle brakes alone.
     """
     b = run.blocks
     biting = np.maximum(b.p_f, b.p_r) > 0.5 * BITE

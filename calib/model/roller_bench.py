@@ -32,48 +32,40 @@ TOLERANCE = 0.01
 Anwendung, Beschaffenheit und Pruefung von Bremspruefstaenden, Verkehrsblatt 2003, p. 303; 3 % for
 testers from before): a limit is taken as two standard deviations."""
 
-_SPEED = 1.4
-"""Speed of the rollers [m/s]: 5 km/h."""
+_SPEED = 1.4  # speed of the rollers [m/s]: 5 km/h
 
-_HELD = 60.0
-"""Time [s] between two rows: brakes that are late have followed."""
+_ROW_TIME = 60.0
+"""Time between two rows [s], after which brakes with a lag have followed the pressure."""
 
-_COMMON = 0.5
-"""Share of the variance of the machine that is its scale, the same for both axles, which stand on
-the same rollers. The rest is an axle's own: how the machine bends from small to large forces, how
-the wheels stand. No rule says how much is which: half and half."""
+_COMMON_SHARE = 0.5
+"""Share of the machine's variance that both axles have in common: its scale [1]. The rest differs
+between the axles: nonlinearity of the machine, position of the wheels. No rule gives the shares."""
 
-_NO_LINE = 0.1
-"""Largest relative standard deviation of a slope [1]. With a larger one the rows are on no line: by
-the grade of the pads their friction is known as well."""
+_LARGEST_SIGMA = 0.1
+"""Largest relative standard deviation of a slope [1]: the grade of the pads says as much."""
 
 _LEAST_SPREAD = 1e-6
-"""Root of the sum of squares of nominal forces less their mean [N], below which they do not
-rise."""
+"""Root of the sum of squared deviations of nominal forces [N], below which they do not rise."""
 
-_PADS = next(key for key in KEYS if key.path == "front.pad_friction")
+_FRICTION = next(key for key in KEYS if key.path == "front.pad_friction")
 
 
 @dataclass(frozen=True)
 class AxleOnRollers:
-    """The rows of one axle, three or more: ``pressure`` p_mc [Pa], ``force`` of both wheels [N]."""
+    """The rows of one axle, three or more."""
 
-    pressure: tuple[float, ...]
-    force: tuple[float, ...]
+    pressure: tuple[float, ...]  # p_mc [Pa]
+    force: tuple[float, ...]  # brake force of both wheels [N]
 
 
 @dataclass(frozen=True)
 class RollerBench:
-    """A run on a roller brake tester.
+    """A run on a roller brake tester."""
 
-    ``name`` of the file, ``source`` its path, ``digest`` SHA-256 of its bytes; ``tolerance`` one
-    standard deviation of the relative error of an axle's force [1].
-    """
-
-    name: str
-    source: str
-    digest: str
-    tolerance: float
+    name: str  # of the file
+    source: str  # path of the file
+    digest: str  # SHA-256 of the file
+    tolerance: float  # standard deviation of the relative error of an axle's force [1]
     front: AxleOnRollers
     rear: AxleOnRollers
 
@@ -81,8 +73,8 @@ class RollerBench:
         """ln of (mu_f/mu_r) over its value in the vehicle file [1], with its standard deviation.
 
         The standard deviation has two parts: the scatter of the rows, and the part of the tolerance
-        that is each axle's own. The relative scatter is estimated from the rows of both axles
-        together, since one axle has few; Student's t allows for their number.
+        that the axles do not share. The relative scatter is that of the rows of both axles;
+        Student's t allows for their small number.
 
         Raises BenchError for rows on no line that rises and for pads that no car has; ModelError
         for an effect of the vehicle that cannot be used.
@@ -90,16 +82,16 @@ class RollerBench:
         front, rear = (self._line(vehicle, axle) for axle in "fr")
         freedom = front.freedom + rear.freedom
         scatter = float(np.sqrt((front.squares + rear.squares) / freedom))
-        wide = scatter * quantile95(freedom) / Z95
-        sigma_f, sigma_r = (wide * line.lever / line.slope for line in (front, rear))
-        of_tolerance = 2.0 * (1.0 - _COMMON) * self.tolerance**2
+        row_sigma = scatter * quantile95(freedom) / Z95
+        sigma_f, sigma_r = (row_sigma * line.lever / line.slope for line in (front, rear))
+        machine_variance = 2.0 * (1.0 - _COMMON_SHARE) * self.tolerance**2
         value = float(np.log(front.slope)) - float(np.log(rear.slope))
-        return Value(value, float(np.sqrt(sigma_f**2 + sigma_r**2 + of_tolerance)))
+        return Value(value, float(np.sqrt(sigma_f**2 + sigma_r**2 + machine_variance)))
 
     def _line(self, vehicle: Vehicle, axle: str) -> "_Line":
-        """The line of an axle's measured forces over its nominal ones, by least squares.
+        """Fit a line to an axle's measured forces over its nominal forces, by least squares.
 
-        Its slope is 0 where the nominal forces do not rise, as behind a valve that shuts.
+        The slope is 0 where the nominal forces do not rise, as behind a valve that shuts.
         """
         name = AXLE_NAMES[axle]
         rows: AxleOnRollers = getattr(self, name)
@@ -112,20 +104,20 @@ class RollerBench:
         residual = (force - mean - slope * x) / mean
         line = _Line(slope, float(residual @ residual), force.size - 2, mean / spread)
         sigma = line.lever * float(np.sqrt(line.squares / line.freedom))
-        if slope <= 0.0 or sigma > _NO_LINE * slope:
+        if slope <= 0.0 or sigma > _LARGEST_SIGMA * slope:
             raise BenchError(
                 f"the brake force of the {name} axle does not rise in a line with the "
                 f"pressure: its slope is {slope:.2f} +- {sigma:.2f} of that of the vehicle file",
                 where=self.source,
-                expected=f"rows on a line, whose slope is known to {100 * _NO_LINE:g} %",
+                expected=f"rows on a line, whose slope is known to {100 * _LARGEST_SIGMA:g} %",
                 do="leave out rows where the wheels slip on the rollers; measure more pressures",
             )
         friction = slope * brake.pad_friction
-        if not _PADS.least <= friction <= _PADS.most:
+        if not _FRICTION.least <= friction <= _FRICTION.most:
             raise BenchError(
                 f"the brake force of the {name} axle asks for a pad friction of {friction:.3g}",
                 where=self.source,
-                expected=f"{_PADS.least:g} to {_PADS.most:g}",
+                expected=f"{_FRICTION.least:g} to {_FRICTION.most:g}",
                 do="check the units, whether the force is that of both wheels, and piston_area, "
                 "effective_radius and friction_faces of the vehicle file",
             )
@@ -135,10 +127,9 @@ class RollerBench:
 def _nominal(vehicle: Vehicle, axle: str, pressure: Array, source: str) -> Array:
     """Brake force of an axle [N] (n,) by the vehicle file at an increasing ``pressure`` [Pa] (n,).
 
-    It includes the known effects on pressure and pads, such as a valve or a threshold. ``source``
-    of the rows, for errors.
+    It includes the known effects on pressure and pads, such as a valve. Errors name the ``source``.
     """
-    time = _HELD * np.arange(pressure.size, dtype=np.float64)
+    time = _ROW_TIME * np.arange(pressure.size, dtype=np.float64)
     run = constant_speed(time, pressure, _SPEED, source=source)
     brakes = brakes_of(default_model(vehicle), run, {})
     torques = brakes.torques(run)
@@ -147,14 +138,9 @@ def _nominal(vehicle: Vehicle, axle: str, pressure: Array, source: str) -> Array
 
 
 class _Line(NamedTuple):
-    """A line through the rows of an axle.
+    """A line through the rows of an axle."""
 
-    ``slope`` of force over nominal force [1]; ``squares`` sum of squared residuals, each over the
-    mean force [1]; ``freedom`` rows less two; ``lever`` sigma of the slope for a relative scatter
-    of 1 [1].
-    """
-
-    slope: float
-    squares: float
-    freedom: int
-    lever: float
+    slope: float  # of force over nominal force [1]
+    squares: float  # sum of squared residuals, each over the mean force [1]
+    freedom: int  # degrees of freedom: rows less two
+    lever: float  # sigma of the slope for a relative scatter of 1 [1]

@@ -28,18 +28,15 @@ from calib.base.units import from_si
 from calib.car.braking import BITE
 from calib.model.roller_bench import TOLERANCE, AxleOnRollers, RollerBench
 
-_FEWEST = 3
-"""Fewest pressures of an axle: two give a line, the third shows its scatter."""
+_FEWEST = 3  # pressures of an axle: two give a line, the third shows its scatter
 
 _Pressure = Annotated[float, QuantityMark("Pa", 0.0, 4e7)]
 _Force = Annotated[float, QuantityMark("N", 1.0, 2e5)]
 
 
 class _AxleRows(Section):
-    """The rows of one axle: pressures, and forces of both wheels together."""
-
     p_mc: list[_Pressure]
-    brake_force: list[_Force]
+    brake_force: list[_Force]  # of both wheels together
 
     @model_validator(mode="after")
     def _are_rows(self: Any) -> Any:
@@ -50,7 +47,7 @@ class _AxleRows(Section):
             )
         if len(set(self.p_mc)) < _FEWEST:
             raise wrong(
-                f"{counted(len(set(self.p_mc)), 'pressure')}",
+                counted(len(set(self.p_mc)), "pressure"),
                 f"{_FEWEST} different ones or more, for slope, threshold and scatter of the forces",
             )
         lowest, bite = (from_si(p, "bar", "Pa") for p in (min(self.p_mc), BITE))
@@ -64,12 +61,11 @@ class _AxleRows(Section):
 
     @property
     def rows(self) -> AxleOnRollers:
-        """The rows as `RollerBench` has them."""
         return AxleOnRollers(tuple(self.p_mc), tuple(self.brake_force))
 
 
 class RollerBenchFile(FileSchema):
-    """The forces of a roller brake tester, of both axles."""
+    """A file with the forces of both axles."""
 
     tolerance: Annotated[float, QuantityMark("1", 0.0005, 0.2)] = TOLERANCE
     front: _AxleRows

@@ -17,22 +17,17 @@ from calib.base.digest import content_digest
 from calib.base.names import WHEELS
 from calib.logs.log import Log
 
-_TIME_CONSTANT = 0.1
-"""Correlation time of the coloured part [s]."""
+_TIME_CONSTANT = 0.1  # correlation time of the coloured part [s]
 
 
 @dataclass(frozen=True)
 class NoiseLevel:
-    """Noise of one channel, in its SI unit: standard deviation ``sd`` before rounding.
+    """Noise of one channel, in the SI unit of the channel."""
 
-    ``coloured`` share of the variance that is correlated in time [1]; ``quantum`` step of the
-    reading, 0 for none; ``floor`` lowest value that the sensor reads.
-    """
-
-    sd: float
-    coloured: float = 0.0
-    quantum: float = 0.0
-    floor: float = -np.inf
+    sd: float  # standard deviation before rounding
+    coloured: float = 0.0  # share of the variance that is correlated in time [1]
+    quantum: float = 0.0  # step of the reading, 0 for none
+    floor: float = -np.inf  # lowest reading
 
 
 LEVELS: dict[str, NoiseLevel] = {

@@ -99,28 +99,26 @@ def simulate(
     if time.size < 2 or not np.all(np.diff(time) > 0.0):
         raise ModelError("time does not increase", expected="two samples or more, increasing")
     clock, samples = fine_clock(time)
-    p_mc = _along(time, clock, {"pressure": pressure}, ("pressure",))["pressure"]
-    at_wheels = _along(time, clock, wheel_pressure, WHEELS)
-    heat = _along(time, clock, temperature, AXLES)
-    engine = _along(time, clock, drive_torque, AXLES)
-    angle = _along(time, clock, wheel_angle, AXLES)
+    p_mc = _interpolated(time, clock, {"pressure": pressure}, ("pressure",))["pressure"]
+    p_wheels = _interpolated(time, clock, wheel_pressure, WHEELS)
+    discs = _interpolated(time, clock, temperature, AXLES)
+    engine = _interpolated(time, clock, drive_torque, AXLES)
+    angle = _interpolated(time, clock, wheel_angle, AXLES)
     driven = replace(model, vehicle=as_driven(model.vehicle, model.effects))
-    history_at_v0 = constant_speed(clock, p_mc, v0, heat, name, start_heat)
-    none = np.zeros_like(clock)
-    torque = (engine.get("f", none), engine.get("r", none))
-    run = Drive(
-        brakes_of(driven, history_at_v0, at_wheels), history_at_v0, v0, stop_speed, torque, angle
-    )
+    inputs = constant_speed(clock, p_mc, v0, discs, name, start_heat)
+    no_torque = np.zeros_like(clock)
+    torque = (engine.get("f", no_torque), engine.get("r", no_torque))
+    run = Drive(brakes_of(driven, inputs, p_wheels), inputs, v0, stop_speed, torque, angle)
     state = solve(run)
     end, note = end_of(run, state)
     places = samples[: np.searchsorted(samples, end)]
     if places.size < 2:
         raise ModelError("nothing to simulate", expected="two samples or more", do=note)
     history = history_of(run, state)
-    logged = {f"p_{w}": at_wheels[w] for w in WHEELS if w in at_wheels}
-    for kind, inputs in (("T_disc", heat), ("T_drive", engine)):
-        logged |= {f"{kind}_{a}": inputs[a] for a in AXLES if a in inputs}
-    simulated = _channels(run, state, history) | logged
+    given = {f"p_{w}": p_wheels[w] for w in WHEELS if w in p_wheels}
+    for quantity, by_axle in (("T_disc", discs), ("T_drive", engine)):
+        given |= {f"{quantity}_{a}": by_axle[a] for a in AXLES if a in by_axle}
+    simulated = _channels(run, state, history) | given
     channels = {channel: x[places] for channel, x in simulated.items()}
     truth = {channel: x[places] for channel, x in _truth(run, state, history).items()}
     return Log(
@@ -168,8 +166,8 @@ def first_speed(log: Log, vehicle: Vehicle, late: float = 0.0) -> float:
     """Speed [m/s] at the first sample, from a straight line through the first samples of ``v``.
 
     Without ``v`` the line goes through the mean of R omega over the wheels, which is too low by
-    their slip if the log begins with braking. ``late`` [s] is the time by which ``v`` is read late.
-    Raises LogError if there are not two finite samples.
+    their slip if the log begins with braking. ``late`` is the delay of ``v`` [s]. Raises LogError
+    if there are not two finite samples.
     """
     since = log.time - log.time[0]
     braked = np.flatnonzero(log["p_mc"] > BITE) if "p_mc" in log else np.array([0])
@@ -196,10 +194,10 @@ def _rolling_speed(log: Log, vehicle: Vehicle) -> Array:
     return np.asarray(np.mean(speeds, axis=0) if speeds else np.full(log.time.size, np.nan))
 
 
-def _along(
+def _interpolated(
     time: Array, clock: Array, inputs: Mapping[str, Array] | None, names: tuple[str, ...]
 ) -> dict[str, Array]:
-    """Inputs (n,) at ``time``, interpolated to the fine ``clock`` (m,), by name.
+    """Interpolate inputs (n,) at ``time`` to the fine ``clock`` (m,), by name.
 
     Raises ModelError for a name not in ``names``, and for values that are not finite or not (n,).
     """
@@ -216,23 +214,23 @@ def _along(
 
 
 def _channels(run: Drive, state: SolverState, history: RunHistory) -> dict[str, Array]:
-    """Channels as the car's sensors read them, (m,) each, by name."""
+    """Return the readings of the car's sensors, (m,) each, by channel."""
     model, brakes = run.brakes.model, run.brakes
     a_x = as_read(model.vehicle, model.effects, history, -G * state.z)
     channels = {"time": run.time, "p_mc": run.inputs.p_mc, "a_x": a_x}
-    read = wheel_speed_factors(
-        model.vehicle, model.effects, Motion(run.moving(state.v), *state.loads, history)
-    )
+    v = run.moving(state.v)
+    motion = Motion(v, *state.loads, history)
+    factors = wheel_speed_factors(model.vehicle, model.effects, motion)
     for w in WHEELS:
-        slip = model.tyre.wheel_slip(state.slip[brakes.twin(w)], run.moving(state.v), run.time)
+        slip = model.tyre.wheel_slip(state.slip[brakes.twin(w)], v, run.time)
         omega = forces.wheel_speed(brakes.axle(w), slip, state.v)
         omega = delayed(run.time, omega, reading_delay(model.effects, "wheel_speed_delay"))
-        channels[f"omega_{w}"] = omega * read[w] if w in read else omega
+        channels[f"omega_{w}"] = omega * factors[w] if w in factors else omega
     return channels | {"v": delayed(run.time, state.v, reading_delay(model.effects, "speed_delay"))}
 
 
 def _truth(run: Drive, state: SolverState, history: RunHistory) -> dict[str, Array]:
-    """Truth channels, (m,) each, by name."""
+    """Return the true torques, forces, loads and pads, (m,) each, by channel."""
     twins = {w: run.brakes.twin(w) for w in WHEELS}
     truth = {f"true_Tb_{w}": state.torque[twin] for w, twin in twins.items()}
     truth |= {f"true_Fx_{w}": state.force[twin] for w, twin in twins.items()}
@@ -246,6 +244,6 @@ def fine_clock(time: Array) -> tuple[Array, Index]:
 
     Return the fine clock [s] (m,), and the indices of the samples of ``time`` in it (n,).
     """
-    parts = np.ceil(np.diff(time) / STEP - 1e-6).astype(np.intp)
-    places = np.concatenate([[0], np.cumsum(np.maximum(parts, 1))]).astype(np.intp)
+    steps = np.ceil(np.diff(time) / STEP - 1e-6).astype(np.intp)
+    places = np.concatenate([[0], np.cumsum(np.maximum(steps, 1))]).astype(np.intp)
     return np.interp(np.arange(places[-1] + 1), places, time), places

@@ -51,9 +51,9 @@ def rising_branch(
 ) -> tuple[Array, Array, Array]:
     """Normalised force [1], its slope by slip [1], and the share of the rising branch used [1].
 
-    Beyond the end of the branch the force goes on linearly, which helps the solver; a result there
-    has a share above 1 and is not valid. ``relative_load`` axle load over half the weight [1];
-    shapes (n,).
+    ``relative_load`` is the axle load over half the weight [1]; shapes (n,). Beyond the end of the
+    branch, where the share is above 1, the force goes on linearly: that helps the solver to
+    converge, and is not physical.
     """
     edge = tyre.slip_at(_EDGE, relative_load)
     clipped = np.clip(slip, -edge, edge)
@@ -64,18 +64,14 @@ def rising_branch(
 
 @dataclass(frozen=True)
 class Drive:
-    """Inputs of a run, which do not change between iterations.
+    """Inputs of a run, which do not change between iterations."""
 
-    ``brakes`` with the model; ``inputs`` clock, pressure and temperatures; ``drive_torque`` of
-    front and rear axle [N m] (n,); the others as in `calib.model.simulate`.
-    """
-
-    brakes: Brakes
-    inputs: RunHistory
-    v0: float
-    stop_speed: float
-    drive_torque: Pair
-    wheel_angle: Mapping[str, Array] = field(default_factory=dict)
+    brakes: Brakes  # with the model of the car
+    inputs: RunHistory  # clock, pressure and temperatures
+    v0: float  # first speed [m/s]
+    stop_speed: float  # speed at which the run ends [m/s]
+    drive_torque: Pair  # of engine or motor on front and rear axle [N m] (n,)
+    wheel_angle: Mapping[str, Array] = field(default_factory=dict)  # by axle [rad] (n,)
 
     @property
     def time(self) -> Array:
@@ -85,55 +81,49 @@ class Drive:
     def total(self, force: Mapping[str, Array]) -> Array:
         """Sum of the tyre ``force`` of all four wheels [N] (n,), given by wheel.
 
-        A left wheel without a right one counts twice. Each axle is summed first, so that two equal
-        wheels give exactly the same sum as one that counts twice.
+        A left wheel without a right wheel counts twice. Each axle is summed first, so that two
+        equal wheels give the same sum to the last bit.
         """
         axles = [force[f"{a}l"] + force.get(f"{a}r", force[f"{a}l"]) for a in AXLES]
         return axles[0] + axles[1]
 
     def speed(self, z: Array) -> Array:
-        """V [m/s] (n,): v0 minus the integral of g z, by the trapezoidal rule."""
+        """Speed v [m/s] (n,): v0 minus the integral of g z, by the trapezoidal rule."""
         return self.v0 - integral(self.time, G * z)
 
     def moving(self, v: Array) -> Array:
-        """V [m/s] with a positive lower bound, for the samples after the stop."""
+        """Speed v [m/s] (n,) with a positive lower bound, for the samples after the stop."""
         return np.maximum(v, 0.5 * self.stop_speed)
 
 
 @dataclass(frozen=True)
 class SolverState:
-    """The result of one iteration: ``v`` [m/s], ``z`` [1], ``loads`` of the axles [N] (n,).
+    """The result of one iteration, all (n,). Dictionaries are by wheel."""
 
-    By wheel: ``slip`` [1], brake ``torque`` [N m], ``load`` and tyre ``force`` [N], ``used`` share
-    of the rising branch of the tyre [1]; above 1 the state is not physical.
-    """
-
-    v: Array
-    z: Array
-    loads: Pair
-    slip: dict[str, Array]
-    torque: dict[str, Array]
-    load: dict[str, Array]
-    force: dict[str, Array]
-    used: dict[str, Array]
+    v: Array  # [m/s]
+    z: Array  # [1]
+    loads: Pair  # of the axles [N]
+    slip: dict[str, Array]  # [1]
+    torque: dict[str, Array]  # of the brake [N m]
+    load: dict[str, Array]  # [N]
+    force: dict[str, Array]  # of the tyre [N]
+    used: dict[str, Array]  # share of the rising branch [1]; above 1 it is not physical
 
 
 def solve(run: Drive) -> SolverState:
-    """Iterate until neither v nor slip changes before the end.
+    """Iterate until neither v nor slip changes before the end of the run.
 
-    Raises ModelError if it does not converge, or if fewer than two samples remain.
+    Raises ModelError if the iteration does not converge, or if fewer than two samples remain.
     """
-    state = _first(run)
+    state = _initial_state(run)
     for _ in range(_ITERATIONS):
-        new = _iterate(run, state)
-        end, why = end_of(run, new)
+        last, state = state, _iterate(run, state)
+        end, why = end_of(run, state)
         if end < 2:
             raise ModelError("nothing to simulate", expected="two samples or more", do=why)
-        valid = slice(0, end)
-        of_v = (new.v - state.v)[valid] / run.v0
-        of_slips = [(new.slip[w] - state.slip[w])[valid] for w in new.slip]
-        state = new
-        if np.max(np.abs([of_v, *of_slips])) < TOLERANCE:
+        v_change = (state.v - last.v)[:end] / run.v0
+        slip_changes = [(state.slip[w] - last.slip[w])[:end] for w in state.slip]
+        if np.max(np.abs([v_change, *slip_changes])) < TOLERANCE:
             return state
     raise ModelError(
         f"the simulation did not converge in {_ITERATIONS} iterations",
@@ -173,17 +163,17 @@ def end_of(run: Drive, state: SolverState) -> tuple[int, str]:
         "the front axle would lift": state.loads[0] < _LEAST_LOAD * weight,
         "the rear axle would lift": state.loads[1] < _LEAST_LOAD * weight,
     } | {f"wheel {w} would pass the peak of its tyre": used > 1.0 for w, used in state.used.items()}
-    met = {why: int(np.argmax(beyond)) for why, beyond in limits.items() if np.any(beyond)}
-    if not met:
+    first = {why: int(np.argmax(beyond)) for why, beyond in limits.items() if np.any(beyond)}
+    if not first:
         return run.time.size, f"ends with its pressure at {run.time[-1]:.3f} s"
-    end = min(met.values())
-    reasons = ", ".join(why for why, index in met.items() if index == end)
+    end = min(first.values())
+    reasons = ", ".join(why for why, index in first.items() if index == end)
     pressure = max(p[end] for p in run.brakes.clamp.values()) / BAR
     return end, f"ends before {run.time[end]:.3f} s at {pressure:.1f} bar: {reasons}"
 
 
-def _first(run: Drive) -> SolverState:
-    """Start of the iteration: brakes only, no inertia, linear tyres."""
+def _initial_state(run: Drive) -> SolverState:
+    """State at the start of the iteration: brakes only, no inertia, linear tyres."""
     vehicle = run.brakes.model.vehicle
     torque = run.brakes.torques(run.inputs)
     force = {w: T_b / run.brakes.axle(w).rolling_radius for w, T_b in torque.items()}
@@ -194,7 +184,7 @@ def _first(run: Drive) -> SolverState:
 
 
 def _iterate(run: Drive, old: SolverState) -> SolverState:
-    """One iteration: loads (6), (7), effects, one Newton step of (1) for each wheel, (5), and v."""
+    """Compute loads (6), (7), effects, one Newton step of (1) for each wheel, z by (5), and v."""
     model, vehicle = run.brakes.model, run.brakes.model.vehicle
     history, v = history_of(run, old), run.moving(old.v)
     loads = [np.maximum(load, _LEAST_LOAD * vehicle.weight) for load in _loads(run, old.z, history)]
@@ -214,9 +204,9 @@ def _iterate(run: Drive, old: SolverState) -> SolverState:
 
 
 def _next_slip(run: Drive, w: str, moment: Array, load: Array, old: SolverState) -> Array:
-    """Slip [1] (n,) of the wheel ``w`` one Newton step of (1) after the ``old`` one.
+    """Slip [1] (n,) of the wheel ``w`` after one Newton step of (1) from the ``old`` state.
 
-    ``moment`` T_b + M of (1) [N m], ``load`` F_z [N], (n,) each.
+    ``moment`` is T_b + M of (1) [N m], ``load`` is F_z [N], (n,) each.
     """
     from scipy.linalg.lapack import dtbtrs
 
@@ -224,7 +214,7 @@ def _next_slip(run: Drive, w: str, moment: Array, load: Array, old: SolverState)
     slip, v, step = old.slip[w], run.moving(old.v), np.diff(run.time)
     omega = forces.wheel_speed(axle, slip, v)
     first = -G * old.z[0] * omega[0] / v[0]  # the first sample has a constant slip
-    spin = np.concatenate([[first], np.diff(omega) / step])
+    spin = np.concatenate([[first], np.diff(omega) / step])  # d omega/dt [rad/s^2]
     grip, slope, _ = rising_branch(model.tyre, slip, 4.0 * load / model.vehicle.weight)
     residual = forces.tyre_force(axle, moment, spin) - load * grip  # (1)
     # d(J_w/R d omega/dt)/d lambda: omega = v (1 - lambda)/R enters its own sample and the next.
@@ -241,5 +231,5 @@ def _loads(run: Drive, z: Array, history: RunHistory) -> Pair:
     """Axle loads [N] at z [1], (6) and (7), less the transfer that is delayed by an effect."""
     vehicle = run.brakes.model.vehicle
     front, rear = forces.axle_loads(vehicle, z)
-    late = vehicle.weight * total_load_shift(vehicle, run.brakes.model.effects, history)
-    return front - late, rear + late
+    shift = vehicle.weight * total_load_shift(vehicle, run.brakes.model.effects, history)
+    return front - shift, rear + shift
