@@ -28,20 +28,17 @@ from calib.fitting.regression import Regression, Solution
 from calib.model.ramp import RampRun
 from calib.run.filters import GroupMean
 
-_DRAWS = 512  # number of draws of pads and tyres
-_BROAD = 0.5  # standard deviation of ln of the pads' ratio of the draws: any pads
+_DRAWS = 512  # draws of pads and tyres
+_ANY_PADS = 0.5  # standard deviation of ln of the pads' ratio of the draws [1]
 _POINTS = 14  # means of the sum of forces on a ramp
 _TREND = 0.05  # standard deviation of the change of the pads' level over a ramp [1]
 _DISCREPANCY, _LENGTH = 0.015, 0.15
 """Discrepancy of pads from a constant friction [1], and its correlation length in z [1]."""
 _ZERO = 0.002  # standard deviation of the zero of the sum of forces over the weight [1]
 
-_LIKELY, _FIRST = 32, 64
-"""Draws that screen mistakes: so many of the likeliest with other pads, so many of the first."""
-SCREENING_ERROR = 4.0
-"""Largest error of ln of the odds by the screening draws, for odds that may decide."""
-NEVER = -1e6
-"""ln of the odds of a hypothesis that no draw explains."""
+_LIKELY, _FIRST = 32, 64  # draws that screen mistakes: the likeliest with other pads, the first
+SCREENING_ERROR = 4.0  # largest error of ln of the odds by these draws, for odds that may decide
+NEVER = -1e6  # ln of the odds of a hypothesis that no draw explains
 _NEAR = 6.0  # ln of the odds against a mistake from which on only its first sizes are tried
 _STEP, _TRIALS, _CHANGE = 0.05, 40, 0.01
 """Search of the best size: first step over the range of sizes [1], largest number of trials, and
@@ -50,25 +47,21 @@ change of ln of the evidence at which it ends."""
 
 @dataclass(frozen=True)
 class Cause:
-    """A hypothesis with its ``log_odds`` and the likeliest ``size`` of its mistake.
-
-    ``log_odds`` is ln of prior odds times evidence, up to a common constant; ``misfit`` the mean
-    square of the residuals over their errors with the best draw [1].
-    """
+    """A hypothesis with its odds."""
 
     hypothesis: Hypothesis
-    log_odds: float
-    size: Size
-    misfit: float
+    log_odds: float  # ln of prior odds times evidence, up to a common constant
+    size: Size  # likeliest size of the mistake
+    misfit: float  # mean square of the residuals over their errors with the best draw [1]
 
 
 _BySize = dict[Size, tuple[float, float]]
-"""By size of a mistake: ln of the evidence, and mean square residual of the best draw."""
+"""By size of a mistake: ln of the evidence, and mean square of the best draw's residuals."""
 
 
 @cache
 def _draws(other_road: bool) -> tuple[Ensemble, Array, Array]:
-    """Draws of the default prior, as by `draw_cars`, but with any pads' ratio.
+    """`draw_cars` by the default prior, but with any pads' ratio.
 
     With ``other_road`` every second draw is on another road, as a stop may be.
     """
@@ -76,13 +69,14 @@ def _draws(other_road: bool) -> tuple[Ensemble, Array, Array]:
 
     x = ndtri(spread_evenly(_DRAWS, DRAWN + 1))
     e, centre, root = draw_cars(x[:, :DRAWN], ())
-    e = replace(e, log_pad_ratio=_BROAD * x[:, -1])
+    e = replace(e, log_pad_ratio=_ANY_PADS * x[:, -1])
     if other_road:
         (_, mean), (_, sigma) = STOP.log_peak.mean, STOP.log_peak.sigma
-        place = (np.log(e.peak) - CAR.peak.mean) / CAR.peak.sigma
-        log_peak = np.where(np.arange(e.size) % 2, mean + sigma * place, np.log(e.peak))
+        on_other = np.arange(e.size) % 2
+        normal_peak = (np.log(e.peak) - CAR.peak.mean) / CAR.peak.sigma
+        log_peak = np.where(on_other, mean + sigma * normal_peak, np.log(e.peak))
         stiff = STOP.log_stiffness.mean[1] + STIFFENING * (log_peak - math.log(DRY_PEAK))
-        softer = np.where(np.arange(e.size) % 2, np.exp(-stiff), 1.0)
+        softer = np.where(on_other, np.exp(-stiff), 1.0)
         centre[:, :2] *= softer[:, None]
         root[:, :2] *= softer[:, None, None]
         e = replace(e, peak=np.exp(log_peak))
@@ -91,23 +85,27 @@ def _draws(other_road: bool) -> tuple[Ensemble, Array, Array]:
 
 def _log_mean(x: Array) -> float:
     """ln of the mean of exp ``x`` (n,)."""
-    most = float(x.max())
-    return most + math.log(np.exp(x - most).mean()) if math.isfinite(most) else most
+    largest = float(x.max())
+    if not math.isfinite(largest):
+        return largest
+    return largest + math.log(np.exp(x - largest).mean())
 
 
 class _SumOfForces:
     """The brake force of a run by its deceleration, as means over groups of its braked blocks.
 
-    Model, with the force less its zero on the lead-in and any ``level``:
+    Model, with the force less its zero on the lead-in, over the weight, and a free level:
 
         brake force = level N(pressure) (1 + discrepancy + trend) + noise
 
-    ``relative`` covariance of discrepancy and trend, ``absolute`` that of noise and zero, both of
-    the force over the weight; ``white`` whitens, ``unit`` is the whitened N.
+    ``relative`` is the covariance of discrepancy and trend, ``absolute`` that of noise and zero;
+    ``white`` whitens the force, ``unit`` is the whitened N, ``information`` its sum of squares, and
+    ``log`` the part of ln of the evidence without the residuals.
     """
 
     def __init__(self, car: Vehicle, run: RampRun) -> None:
-        b, self.car, self.run, braked = run.blocks, car, run, np.flatnonzero(run.braked)
+        self.car, self.run = car, run
+        b, braked = run.blocks, np.flatnonzero(run.braked)
         self._mean = GroupMean(np.array_split(braked, min(_POINTS, braked.size)))
         self.z, time, length = self._mean(b.z), self._mean(b.end), self._mean.sizes * b.length
         along = (time - time.mean()) / max(float(np.ptp(time)), b.length)
@@ -117,7 +115,7 @@ class _SumOfForces:
         self._read_pressures(run)
 
     def _read_pressures(self, run: RampRun) -> None:
-        """Compute all that depends on the pressures."""
+        """Compute the attributes that depend on the pressures."""
         front, rear = brake_forces(self.car, run.blocks.p_f, run.blocks.p_r)
         N = self._mean(front + rear) / self.car.weight
         root = np.linalg.cholesky(self.absolute + np.outer(N, N) * self.relative)
@@ -127,7 +125,10 @@ class _SumOfForces:
         self.log = -0.5 * math.log(self.information) - float(np.log(np.diag(root)).sum())
 
     def evidence(self, run: RampRun) -> tuple[float, float, float]:
-        """ln of the evidence of ``run``, ln of the pads' level, sum of squared residuals."""
+        """ln of the evidence of ``run``, ln of the pads' level, sum of squared residuals.
+
+        ``run`` is a variant of the measured run.
+        """
         sums = self
         if run.blocks.p_r is not self.run.blocks.p_r:
             sums = copy.copy(self)
@@ -144,8 +145,9 @@ class _SumOfForces:
 class Evidence:
     """Evidence of hypotheses on the ramps of a car, or on stops that may be on an ``other_road``.
 
-    ``draws`` of pads and tyres, ``loaded`` their tyres; ``regression`` by the wheels, ``sums`` of
-    forces of each run; ``sums_as_read`` and ``as_read`` the evidence of both without a mistake.
+    It has draws of pads and tyres with their loaded tyres, the regression by the wheels, and the
+    sum of forces of each run. `sums_as_read` and `as_read` are the results of sums and regression
+    without a mistake.
     """
 
     def __init__(self, car: Vehicle, runs: Sequence[RampRun], other_road: bool) -> None:
@@ -157,43 +159,42 @@ class Evidence:
         self.as_read = self.regression.solve(*self.draws, self.loaded)
 
     def screened(self, mistakes: Sequence[Hypothesis], pads: Sequence[Cause]) -> list[Cause]:
-        """Odds of ``mistakes`` by some of the draws.
+        """Odds of ``mistakes`` by the draws that are likeliest with other pads, and the first ones.
 
-        These draws are the likeliest with other pads, and the first of all. ``pads`` are the
-        hypotheses on pads by all draws, "nothing wrong" first. The odds are scaled so that the best
-        of ``pads`` keeps its odds.
+        ``pads`` are the hypotheses on pads by all draws, "nothing wrong" first. The odds are scaled
+        so that the best of ``pads`` keeps its odds.
         """
         _, level, _ = self.sums_as_read
         priors = [self._prior(level, self.draws[0].log_pad_ratio, c.hypothesis.pads) for c in pads]
         likely = np.argsort(-self.as_read.log_evidence - np.max(priors, axis=0), kind="stable")
-        part = self._by(np.union1d(likely[:_LIKELY], np.arange(_FIRST)))
-        by_pads = [part.of_pads(c.hypothesis).log_odds for c in pads]
+        screening = self._with_draws(np.union1d(likely[:_LIKELY], np.arange(_FIRST)))
+        by_pads = [screening.of_pads(c.hypothesis).log_odds for c in pads]
         nothing, best = by_pads[0], max(by_pads)
         correction = max(c.log_odds for c in pads) - best
         # a mistake far worse than other pads at the listed sizes is not searched between them
-        least = 0.5 * (nothing + best)
-        causes = part.of_mistakes(mistakes, nothing - SCREENING_ERROR, least)
+        search_from = 0.5 * (nothing + best)
+        causes = screening.of_mistakes(mistakes, nothing - SCREENING_ERROR, search_from)
         return [replace(cause, log_odds=cause.log_odds + correction) for cause in causes]
 
-    def _by(self, draws: Index) -> "Evidence":
-        """The same evidence by some of the ``draws``."""
-        other, (e, centre, root) = copy.copy(self), self.draws
-        other.draws = e.take(draws), centre[draws], root[draws]
-        other.loaded = [tyres.take(draws) for tyres in self.loaded]
-        other.as_read = self.as_read.take(draws)
-        return other
+    def _with_draws(self, rows: Index) -> "Evidence":
+        """The same evidence by these ``rows`` of the draws."""
+        evidence, (e, centre, root) = copy.copy(self), self.draws
+        evidence.draws = e.take(rows), centre[rows], root[rows]
+        evidence.loaded = [tyres.take(rows) for tyres in self.loaded]
+        evidence.as_read = self.as_read.take(rows)
+        return evidence
 
     def of_pads(self, h: Hypothesis) -> Cause:
         """The cause of a hypothesis on the pads alone."""
         return self._cause(h, {(): self._weighed(h, self.sums_as_read, self.as_read)})
 
     def of_mistakes(
-        self, mistakes: Sequence[Hypothesis], nothing: float, least: float
+        self, mistakes: Sequence[Hypothesis], nothing: float, search_from: float
     ) -> list[Cause]:
-        """The causes of ``mistakes``.
+        """The causes of ``mistakes``, where ``nothing`` is ln of the evidence of "nothing wrong".
 
-        ``nothing`` is ln of the evidence of "nothing wrong". From ln of the odds ``least`` on, the
-        size of a mistake is searched for between the listed sizes.
+        The size of a mistake is searched for between the listed sizes if ln of its odds is above
+        ``search_from``.
         """
         by_size = self._by_size([(h, size) for h in mistakes for size in h.first])
         likely = [h for h in mistakes if max(by_size[h].values())[0] > nothing - _NEAR]
@@ -201,68 +202,68 @@ class Evidence:
         for h, further in self._by_size(pairs).items():
             tried = by_size[h] | further
             by_size[h] = {size: tried[size] for size in h.sizes}
-        return [self._cause(h, of_h, least) for h, of_h in by_size.items()]
+        return [self._cause(h, sizes, search_from) for h, sizes in by_size.items()]
 
-    def _cause(self, h: Hypothesis, by_size: _BySize, least: float = math.inf) -> Cause:
+    def _cause(self, h: Hypothesis, by_size: _BySize, search_from: float = math.inf) -> Cause:
         """The cause of a hypothesis: the mean of its evidence over sizes, and the best size."""
         size = max(by_size, key=lambda size: by_size[size][0])
-        if by_size[size][0] + math.log(h.odds) > least:
-            del by_size[size]  # the better size near it takes its place in the mean
+        if by_size[size][0] + math.log(h.odds) > search_from:
+            del by_size[size]  # the better size nearby takes its place in the mean
             size = self._best_near(h, size)
             by_size |= self._by_size([(h, size)])[h]
-        log = _log_mean(np.array([log for log, _ in by_size.values()])) + math.log(h.odds)
-        return Cause(h, max(log, NEVER), size, by_size[size][1])  # no draw may explain it
+        logs = np.array([log for log, _ in by_size.values()])
+        log_odds = _log_mean(logs) + math.log(h.odds)  # -inf if no draw explains the mistake
+        return Cause(h, max(log_odds, NEVER), size, by_size[size][1])
 
     def _best_near(self, h: Hypothesis, size: Size) -> Size:
         """The most probable size near ``size``, within the range of all sizes.
 
-        Where a size has two numbers, probable ones lie on a narrow ridge between the listed ones.
+        Probable sizes of two numbers lie on a narrow ridge between the listed sizes.
         """
         from scipy.optimize import minimize
 
         start, low, high = np.array(size), np.min(h.sizes, axis=0), np.max(h.sizes, axis=0)
 
-        def unlikely(x: Array) -> float:
-            inside = np.all((x >= low) & (x <= high))
+        def minus_log_evidence(x: Array) -> float:
+            if np.any((x < low) | (x > high)):
+                return math.inf
             tried = tuple(x.tolist())
-            return -self._by_size([(h, tried)])[h][tried][0] if inside else math.inf
+            return -self._by_size([(h, tried)])[h][tried][0]
 
         inward = np.where(start > 0.5 * (low + high), -_STEP, _STEP) * (high - low)
         first = np.vstack([start, start + np.diag(inward)])
-        ends = {"maxfev": _TRIALS, "fatol": _CHANGE, "xatol": math.inf}
-        nearest = minimize(
-            unlikely, start, method="Nelder-Mead", options={"initial_simplex": first, **ends}
-        )
-        return tuple(nearest.x.tolist())
+        options = {"maxfev": _TRIALS, "fatol": _CHANGE, "xatol": math.inf, "initial_simplex": first}
+        best = minimize(minus_log_evidence, start, method="Nelder-Mead", options=options)
+        return tuple(best.x.tolist())
 
     def _by_size(self, pairs: Sequence[tuple[Hypothesis, Size]]) -> "dict[Hypothesis, _BySize]":
-        """`_BySize` of each hypothesis in ``pairs`` of a hypothesis and a size."""
+        """`_BySize` of each hypothesis in ``pairs`` of hypothesis and size."""
         undone = [[h.undo(run, size) for run in self.runs] for h, size in pairs if h.undo]
         if not undone:
             return {}
-        split = self.regression.with_forces_of(undone).solve(*self.draws, self.loaded)
+        solutions = self.regression.with_forces_of(undone).solve(*self.draws, self.loaded)
         by_size: dict[Hypothesis, _BySize] = {h: {} for h, _ in pairs}
         for i, (h, size) in enumerate(pairs):
-            by_size[h][size] = self._weighed(h, self._of_sums(undone[i]), split.take(i))
+            by_size[h][size] = self._weighed(h, self._of_sums(undone[i]), solutions.take(i))
         return by_size
 
     def _weighed(
-        self, h: Hypothesis, sums: tuple[float, float, float], split: Solution
+        self, h: Hypothesis, sums: tuple[float, float, float], solution: Solution
     ) -> tuple[float, float]:
-        """ln of the evidence of one size, and the mean square residual of its best draw.
+        """ln of the evidence of one size, and the mean square of the best draw's residuals.
 
-        ``sums`` as by `_of_sums`; ``split`` the solution of the regression.
+        ``sums`` are those of `_of_sums`, ``solution`` is that of the regression.
         """
         log, level, square = sums
-        each = split.log_evidence + self._prior(level, self.draws[0].log_pad_ratio, h.pads)
-        residual = split.residual(int(np.argmax(each)))
+        by_draw = solution.log_evidence + self._prior(level, self.draws[0].log_pad_ratio, h.pads)
+        residual = solution.residual(int(np.argmax(by_draw)))
         square += float(residual @ residual)
-        return _log_mean(each) + log, square / (residual.size + _POINTS * len(self.runs))
+        return _log_mean(by_draw) + log, square / (residual.size + _POINTS * len(self.runs))
 
     def _of_sums(self, runs: Sequence[RampRun]) -> tuple[float, float, float]:
         """`_SumOfForces.evidence` of all ``runs``: sum of ln, mean of the level, sum of squares."""
-        each = [forces.evidence(run) for forces, run in zip(self.sums, runs, strict=True)]
-        log, level, square = zip(*each, strict=True)
+        by_run = [forces.evidence(run) for forces, run in zip(self.sums, runs, strict=True)]
+        log, level, square = zip(*by_run, strict=True)
         return sum(log), float(np.mean(level)), sum(square)
 
     def _prior(self, level: float, ratio: Array, pads: tuple[float, float]) -> Array:
@@ -272,5 +273,5 @@ class Evidence:
         """
         front = (level + (1.0 - self.share) * ratio) / pads[0]
         rear = (level - self.share * ratio) / pads[1]
-        by_draws = -0.5 * (ratio / _BROAD) ** 2 - math.log(_BROAD)
+        by_draws = -0.5 * (ratio / _ANY_PADS) ** 2 - math.log(_ANY_PADS)
         return np.asarray(-by_draws - 0.5 * (front**2 + rear**2) - math.log(pads[0] * pads[1]))

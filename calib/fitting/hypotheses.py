@@ -21,16 +21,16 @@ from calib.model.ramp import RampRun
 USUAL_PADS = 0.1
 """Standard deviation of ln of the friction of an axle's pads over the file's."""
 
-_OTHER_PADS = 0.5  # standard deviation of it where the pads are not those of the file [1]
+_OTHER_PADS = 0.5  # the same where the pads are not those of the file [1]
 
 _FACTORS = (-2.0, -1.0, 0.0, 0.5, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, *map(float, range(6, 13)), 14.0)
 """Factors that correct a logged torque: another sign, one motor of two or three logged, a torque at
 the shaft of the motor and not at the wheels."""
 _TORQUES = (150.0, 250.0, 400.0, 600.0, 900.0, 1300.0)  # of a motor, at the wheels of an axle [N m]
-_FULL = (4e5, 10e5, 20e5)  # pressures at which a motor gives all of it [Pa]
-_HANDS_OVER = (1.0, 4.0)  # a motor's torque falls between these speeds, to 0 at the lower [m/s]
-_KNEES = (10e5, 15e5, 20e5, 25e5, 30e5)  # pressures from which on a valve limits the rear one [Pa]
-_SLOPES = (0.2, 0.45)  # rise of the rear pressure over that of the front one beyond the knee [1]
+_FULL = (4e5, 10e5, 20e5)  # pressures at which a motor gives its full torque [Pa]
+_HANDS_OVER = (1.0, 4.0)  # speeds between which a motor's torque falls to 0 [m/s]
+_KNEES = (10e5, 15e5, 20e5, 25e5, 30e5)  # pressures from which on a valve limits the rear [Pa]
+_SLOPES = (0.2, 0.45)  # rise of the rear pressure over that of the front beyond the knee [1]
 DELAYS = (0.012, 0.02, 0.03, 0.045, 0.07, 0.1)  # of the wheel speeds of an axle [s]
 _DRAGS = (1e5, 2e5, 3e5, 4.5e5, 7e5)  # residual pressures in one brake [Pa]
 _LEAST_DRIVE = 20.0  # logged torque of a braking car, below which it is noise [N m]
@@ -50,21 +50,16 @@ Size = tuple[float, ...]
 
 @dataclass(frozen=True, eq=False)
 class Hypothesis:
-    """A mistake with its ``code`` in `rules.csv`, or "" for pads alone: no mistake.
+    """A mistake, or pads unlike those of the file without a mistake."""
 
-    ``odds`` prior odds, 1 for "nothing wrong" [1]; ``sizes`` equally likely sizes, ``first`` sizes
-    that are tried before them; ``undo`` returns a run without the mistake of a size, None where
-    there is nothing to undo; ``pads`` standard deviation of ln of the friction of front and rear
-    pads over the file's [1]; ``axle`` with the mistake, "f" or "r".
-    """
-
-    code: str
-    odds: float
-    sizes: tuple[Size, ...] = ((),)
-    first: tuple[Size, ...] = ((),)
-    undo: Callable[[RampRun, Size], RampRun] | None = None
+    code: str  # of the mistake in `rules.csv`, "" for pads alone
+    odds: float  # prior odds, 1 for "nothing wrong" [1]
+    sizes: tuple[Size, ...] = ((),)  # equally likely sizes
+    first: tuple[Size, ...] = ((),)  # sizes that are tried before the others
+    undo: Callable[[RampRun, Size], RampRun] | None = None  # return a run without the mistake
     pads: tuple[float, float] = (USUAL_PADS, USUAL_PADS)
-    axle: str = ""
+    """Standard deviation of ln of the friction of front and rear pads over the file's [1]."""
+    axle: str = ""  # axle with the mistake, "f" or "r"
 
 
 def hypotheses(car: Vehicle, runs: Sequence[RampRun]) -> Iterator[Hypothesis]:
@@ -74,8 +69,8 @@ def hypotheses(car: Vehicle, runs: Sequence[RampRun]) -> Iterator[Hypothesis]:
         yield Hypothesis("", 0.1, pads=pads)
     for axle, brake in zip(AXLES, (car.front, car.rear), strict=True):
         yield from _of_axle(car, runs, axle, brake)
-    apart = any(not np.array_equal(run.blocks.p_f, run.blocks.p_r) for run in runs)
-    if not apart and "rear_proportioning" not in car.effects:
+    one_pressure = all(np.array_equal(run.blocks.p_f, run.blocks.p_r) for run in runs)
+    if one_pressure and "rear_proportioning" not in car.effects:
         knees = tuple((knee, slope) for knee in _KNEES for slope in _SLOPES)
         yield Hypothesis(VALVE, 0.04, knees, _FIRST_KNEES, _limited, axle="r")
 
@@ -101,14 +96,14 @@ def _of_axle(car: Vehicle, runs: Sequence[RampRun], axle: str, brake: Axle) -> I
 def _with_force(
     axle: str, force: Callable[[RampRun, Size], Array], run: RampRun, size: Size
 ) -> RampRun:
-    """The run with an additional ``force`` [N] (k,), by run and size, on the wheels of an axle."""
+    """Return the run with an additional ``force`` [N] (k,) on the wheels of an axle."""
     extra, name = force(run, size), f"drag_{axle}"
-    more = {name: getattr(run, name) + extra, "brake_sum": run.brake_sum - extra}
-    return replace(run, **more)
+    changed = {name: getattr(run, name) + extra, "brake_sum": run.brake_sum - extra}
+    return replace(run, **changed)
 
 
 def _scaled(axle: str, radius: float, run: RampRun, size: Size) -> Array:
-    """Force [N] (k,) that a logged torque lacks if it needs the factor ``size``."""
+    """Force [N] (k,) that a logged torque lacks if its true value is ``size`` times as large."""
     drive: Array = getattr(run.blocks, f"drive_{axle}")
     return np.asarray((1.0 - size[0]) * drive * run.braked / radius)
 
@@ -133,7 +128,7 @@ def _dragging(brake: Axle, run: RampRun, size: Size) -> Array:
 
 
 def _in_time(car: Vehicle, axle: str, run: RampRun, size: Size) -> RampRun:
-    """The run without a delay ``size`` [s] of the wheel speeds of an axle, by the deceleration."""
+    """Return the run without a delay ``size`` [s] of an axle's wheel speeds."""
     radius = (car.front if axle == "f" else car.rear).rolling_radius
     b, name = run.blocks, f"omega_{axle}"
     b = replace(b, **{name: getattr(b, name) - size[0] * G * b.z / radius})
@@ -142,5 +137,5 @@ def _in_time(car: Vehicle, axle: str, run: RampRun, size: Size) -> RampRun:
 
 
 def _limited(run: RampRun, size: Size) -> RampRun:
-    """The run with the rear pressure behind a valve; ``size`` its knee [Pa] and slope [1]."""
+    """Return the run with the rear pressure behind a valve of this knee [Pa] and slope [1]."""
     return replace(run, blocks=replace(run.blocks, p_r=behind_valve(run.blocks.p_r, *size)))

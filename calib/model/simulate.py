@@ -115,10 +115,10 @@ def simulate(
     if places.size < 2:
         raise ModelError("nothing to simulate", expected="two samples or more", do=note)
     history = history_of(run, state)
-    given = {f"p_{w}": p_wheels[w] for w in WHEELS if w in p_wheels}
+    recorded = {f"p_{w}": p_wheels[w] for w in WHEELS if w in p_wheels}
     for quantity, by_axle in (("T_disc", discs), ("T_drive", engine)):
-        given |= {f"{quantity}_{a}": by_axle[a] for a in AXLES if a in by_axle}
-    simulated = _channels(run, state, history) | given
+        recorded |= {f"{quantity}_{a}": by_axle[a] for a in AXLES if a in by_axle}
+    simulated = _channels(run, state, history) | recorded
     channels = {channel: x[places] for channel, x in simulated.items()}
     truth = {channel: x[places] for channel, x in _truth(run, state, history).items()}
     return Log(
