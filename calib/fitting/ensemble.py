@@ -78,9 +78,9 @@ _LENGTHS = ("cg_to_front_axle", "cg_height")
 
 def draws_of(car: Vehicle, e: Ensemble, pads: Calibration) -> Draws:
     """`TABLE_DRAWS` draws for a table; the level of the ``pads`` is drawn independently."""
-    kept = e.take(np.linspace(0, e.size - 1, TABLE_DRAWS).astype(np.int64))
-    lengths = {name: getattr(kept, name) * getattr(car, name) for name in _LENGTHS}
-    columns = vars(kept) | lengths
+    stored = e.take(np.linspace(0, e.size - 1, TABLE_DRAWS).astype(np.int64))
+    lengths = {name: getattr(stored, name) * getattr(car, name) for name in _LENGTHS}
+    columns = vars(stored) | lengths
     scale, normal = pads.pad_scale, np.random.default_rng(42).standard_normal(TABLE_DRAWS)
     level = np.log(scale.value) + scale.sigma / scale.value * normal
     return Draws(**columns, log_pad_level=level, weight=np.full(TABLE_DRAWS, car.weight))
