@@ -68,10 +68,8 @@ def agreement(results: Iterable[Validation]) -> _Agreement | None:
         group = stops[ungrouped[like]]
         pads = group[:, :2].mean(axis=0)
         spread = np.abs(group[:, :2] / pads - 1.0).max(axis=0) if len(group) > 1 else (None, None)
-        names = tuple(answered[i].log for i in ungrouped[like])
-        roads.append(
-            _Road(names, math.exp(group[:, 3].mean()), *pads.tolist(), *map(finite_or_none, spread))
-        )
+        names, ratio = tuple(answered[i].log for i in ungrouped[like]), math.exp(group[:, 3].mean())
+        roads.append(_Road(names, ratio, *pads.tolist(), *map(finite_or_none, spread)))
         ungrouped = ungrouped[~like]
     spreads = [(road.spread_f, road.spread_r) for road in roads if road.spread_f is not None]
     if not spreads:

@@ -29,9 +29,7 @@ from calib.table.table import Table
 RATE, PRESSURE = 8.0, 20e5
 """Rate of the gradient law [1/s] at a usual braking pressure [Pa]: 90 % of a step of zeta in 0.3 s.
 The rate grows with the square of the pressure."""
-_MEMORY = 0.5
-"""Time over which the mean gain forgets [s]: short against a stop, long against road noise (0.1 s).
-"""
+_MEMORY = 0.5  # time over which the mean gain forgets [s]: a stop is longer, road noise is shorter
 
 
 def nominal(e: Estimate, factor: Array | float = 1.0) -> Pair:
@@ -54,9 +52,6 @@ def mean_gain(e: Estimate) -> Pair:
     )
     factor = np.divide(numerator, denominator, out=np.ones_like(u), where=denominator > 0.0)
     return nominal(e, factor)
-
-
-# The paper's law ---------------------------------------------------------------------------------
 
 
 def _adapted(e: Estimate) -> Pair:

@@ -46,9 +46,9 @@ class Constants:
     late: float  # delay of v behind the wheel speeds [s], and its sigma
     late_sigma: float
     ramp_ratio: float  # ln of the pads' ratio on the ramp [1]
-    block: float  # [s]
+    block: float  # length of a block [s]
     bite: float = BITE  # pressure of a brake that is applied [Pa]
-    moving: float = MOVING  # [m/s]
+    moving: float = MOVING  # least speed of a car that moves [m/s]
     steady: float = ROLLING_Z  # deceleration of a car that rolls, at most [1]
     q_radius: float = WALK  # random walk of the zeros of eta and slip [1/sqrt(s)]
     memory: float = 0.3  # time over which the means for the map forget [s]

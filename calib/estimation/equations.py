@@ -7,8 +7,8 @@
 
 d is the brake force that the deceleration demands, u that of the nominal pads behind a lag of first
 order, both over the weight. d_0 is d while nothing brakes: rolling resistance, bias of a_x, pitch
-at rest. The functions call d - d_0, the brake force of a block, y. Without v only the wheels
-measure the speed: a difference from a_x that remains at low speed is an error of a_x, no slip.
+at rest. y is d - d_0, the brake force of a block. Without v only the wheels
+measure the speed. A difference from a_x that remains at low speed is an error of a_x, no slip.
 (S1) to (S16) are on `calib/manual/step.md`.
 """
 
@@ -35,23 +35,23 @@ from calib.estimation.state import (
 class BlockState(NamedTuple, Generic[Number]):
     """Estimate of brakes and tyres after a block."""
 
-    level: Number  # level of the pads [1], and its variance
+    level: Number  # level of the pads [1]
     level_variance: Number
-    blocks: Number  # effective number in the means
-    z: Number  # means of z, eta - 1 from their zeros and of z squared [1]
-    shift: Number
-    z_squared: Number
-    speed: Number  # [m/s]
-    log_slip: Number  # ln(slip/z), scale of a_x [1], their covariance
-    scale: Number
-    slip_variance: Number
-    slip_scale: Number
-    scale_variance: Number
-    demand_variance: Number  # variances of the zeros
-    eta_variance: Number
-    eta_by_drive: Number  # mean of that of `Sample`
+    blocks: Number  # effective number of blocks in the means
+    z: Number  # mean of y, the brake force over the weight [1]
+    shift: Number  # mean of eta over its zero, less 1 [1]
+    z_squared: Number  # mean of y squared [1]
+    speed: Number  # speed of the car [m/s]
+    log_slip: Number  # ln(slip/z) [1]
+    scale: Number  # relative excess of a_x while braking [1]
+    slip_variance: Number  # variance of log_slip
+    slip_scale: Number  # covariance of log_slip and scale
+    scale_variance: Number  # variance of scale
+    demand_variance: Number  # variance of the zero of the demand
+    eta_variance: Number  # variance of the zero of eta
+    eta_by_drive: Number  # mean of `Sample.eta_by_drive` [1]
     effective_pressure_share: Number  # share of the pressure that acts [1]
-    innovation: Number  # of the wheels where they count, in standard deviations
+    innovation: Number  # innovation of the wheel speeds, in standard deviations
     braked: Number  # time of this stop [s]
     zero_eta: Number  # eta and slip while nothing brakes [1]
     zero_slip: Number

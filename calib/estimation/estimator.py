@@ -73,7 +73,8 @@ class Estimate(Viewable):
 
     def __repr__(self) -> str:
         text = f"Estimate: {self.time.size} samples, {np.count_nonzero(self.valid)} valid"
-        for i in np.flatnonzero(self.valid)[-1:]:
+        if self.valid.any():
+            i = int(np.flatnonzero(self.valid)[-1])
             for axle, x in (("front", self.best.pads_f), ("rear", self.best.pads_r)):
                 text += f"; {axle} pads {x.value[i]:.3f} ({x.lower[i]:.3f} to {x.upper[i]:.3f})"
         return text

@@ -40,15 +40,14 @@ def truth_of(e: Estimate) -> Truth | None:
     channels, car = e.ran.log.truth, e.car
     if "true_Tb_fl" not in channels or "true_Tb_rl" not in channels:
         return None
-    torque = np.array(
-        [0.5 * (channels[f"true_Tb_{axle}l"] + channels[f"true_Tb_{axle}r"]) for axle in "fr"]
-    )
+    wheels = np.array([[channels[f"true_Tb_{axle}{side}"] for side in "lr"] for axle in "fr"])
+    torque = 0.5 * (wheels[:, 0] + wheels[:, 1])
     p = np.array([e.read.p_f, e.read.p_r])
     gain = np.array([[car.front.torque_gain], [car.rear.torque_gain]])
     pads = torque / (gain * np.where(p > 1e5, p, np.nan))
     for i, (axle, factor) in enumerate((("f", e.ran.factor_f), ("r", e.ran.factor_r))):
-        if (friction := channels.get(f"true_mu_pad_{axle}")) is not None:
-            pads[i] = friction / factor
+        if f"true_mu_pad_{axle}" in channels:
+            pads[i] = channels[f"true_mu_pad_{axle}"] / factor
     return Truth(np.where(pads > 0.0, pads, np.nan), torque)
 
 
@@ -90,7 +89,8 @@ def score(e: Estimate) -> Figures:
         figures["covered_share"] = share(covered, valid)
     if "inside_f" in figures:
         figures["truth_in_interval"] = 0.5 * (figures["inside_f"] + figures["inside_r"])
-    if e.blocks.v is not None and (comparable := valid & by_ecu).any():
+    comparable = valid & by_ecu
+    if e.blocks.v is not None and comparable.any():
         figures["ecu_reference_f"] = departure(e.ecu.pads_f, e.best.pads_f, comparable)
         figures["ecu_reference_r"] = departure(e.ecu.pads_r, e.best.pads_r, comparable)
     for part, name in _NAMES.items():

@@ -80,10 +80,10 @@ class Readout:
 
     def take(self, rows: Index) -> "Readout":
         """Return the samples at ``rows`` alone."""
-        bounded = {name: x for name, x in vars(self).items() if isinstance(x, Bounded)}
         at_rows: dict[str, Any] = {
             name: Bounded(x.value[rows], x.lower[rows], x.upper[rows])
-            for name, x in bounded.items()
+            for name, x in vars(self).items()
+            if isinstance(x, Bounded)
         }
         return replace(self, step=self.step.take(rows), **at_rows)
 

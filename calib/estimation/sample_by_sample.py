@@ -13,23 +13,9 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.names import G
+from calib.estimation import online as ecu
 from calib.estimation.constants import constants
 from calib.estimation.known import as_driven, require_plain
-from calib.estimation.online import (
-    A_X,
-    ABS_ACTIVE,
-    ANSWERS,
-    CHANNELS,
-    DRIVE,
-    DRIVEN,
-    OMEGA,
-    P_MC,
-    RL,
-    RR,
-    STEERING,
-    held_readings,
-    limits,
-)  # fmt: skip
 from calib.estimation.readout import ENDS, pads_of_blocks, step_inputs, torques_of, with_before
 from calib.estimation.reasons import Reason, first_reason
 from calib.estimation.state import Sample
@@ -47,16 +33,17 @@ class Online:
     def __init__(self, table: Table, sample_time: float) -> None:
         require_plain(table)
         self._table, self._dt = as_driven(table, table.vehicle), sample_time
-        self._limits, self._n = limits(sample_time, table.vehicle), samples_of_block(sample_time)
-        block = time_of_block(sample_time)
+        self._limits = ecu.limits(sample_time, table.vehicle)
+        self._n, block = samples_of_block(sample_time), time_of_block(sample_time)
         self._c = constants(self._table, SensorNoise(**table.noise), block)
         self._state = started(self._c)
         self._since_lock = self._since_abs = math.inf
-        self._omega: Array | None = None
-        self._fastest = self._lateral = 0.0
-        self._readings: tuple[Array, Array] | None = None  # in range, good
-        self._wheels, self._rows, self._why = list[Array](), list[Array](), list[int]()
-        self._faulty = False
+        self._omega: Array | None = None  # mean wheel speeds of the last block [rad/s] (2,)
+        self._faulty = False  # whether the last block had a fault
+        self._fastest = self._lateral = 0.0  # wheel speed [rad/s], lateral acceleration [m/s^2]
+        self._readings: tuple[Array, Array] | None = None  # last ones in range, last good ones
+        self._wheels = list[Array]()  # wheel speeds of the last three samples
+        self._rows, self._reasons = list[Array](), list[int]()  # samples of the present block
         self._reason, self._answers = int(Reason.NOT_BRAKED), np.zeros((4, 3))
         self._block_ends(with_answer=False)
 
@@ -65,22 +52,23 @@ class Online:
 
         ``sample`` is in SI by the names of a log; a channel that is missing reads 0.
         """
-        x = np.array([sample.get(name, 0.0) for name in CHANNELS])
-        in_range, last, works = (y[0] for y in held_readings(x[None], self._limits, self._readings))
+        x = np.array([sample.get(name, 0.0) for name in ecu.CHANNELS])
+        readings = ecu.held_readings(x[None], self._limits, self._readings)  # (1, 11) each
+        in_range, last, works = (y[0] for y in readings)
         good = bool(works.all())
         self._rows.append(last)
         disturbance = self._disturbance(last)
-        self._why.append(disturbance if good else Reason.FAULT)
+        self._reasons.append(disturbance if good else Reason.FAULT)
         self._readings = in_range, last
         if len(self._rows) == self._n:
             self._block_ends()
-        pressure, (level, _, *pads) = last[P_MC], self._answers
+        pressure, (level, _, *pads) = last[ecu.P_MC], self._answers
         car, pressures = self._table.vehicle, (pressure, pressure)
         front, rear, total = torques_of(car, pressures, level, (pads[0], pads[1]))
         torques = front, front, rear, rear, total
         answers = {
             f"{name}{end}": float(value)
-            for name, bounded in zip(ANSWERS, (*self._answers, *torques), strict=True)
+            for name, bounded in zip(ecu.ANSWERS, (*self._answers, *torques), strict=True)
             for end, value in zip(ENDS, bounded, strict=True)
         }
         return {"reason": float(self._reason if good else Reason.FAULT), **answers}
@@ -88,42 +76,43 @@ class Online:
     def _disturbance(self, x: Array) -> int:
         """Return the `Reason` by good readings ``x`` (11,), as `disturbances` does."""
         c, car = self._c, self._table.vehicle
-        self._wheels = [*(self._wheels or [x[OMEGA]] * 2), x[OMEGA]][-3:]
+        self._wheels = [*(self._wheels or [x[ecu.OMEGA]] * 2), x[ecu.OMEGA]][-3:]
         first, last, now = self._wheels
         middle = np.clip(now, np.minimum(first, last), np.maximum(first, last))
         self._fastest = max(float(middle.max()), self._fastest - c.slows * self._dt)
         locks = self._fastest - middle.min() > c.lock * max(self._fastest, 1.0)
         locks = locks and self._fastest > c.turning
         self._since_lock = 0.0 if locks else self._since_lock + self._dt
-        self._since_abs = 0.0 if x[ABS_ACTIVE] > 0.5 else self._since_abs + self._dt
-        mean = 0.5 * (x[RL] + x[RR])
-        apart, speed = (x[RR] - x[RL]) / max(mean, 1.0), car.rear.rolling_radius * mean
-        slip = np.interp(-x[A_X] / G, self._table.tyre.force, self._table.tyre.slip)
+        self._since_abs = 0.0 if x[ecu.ABS_ACTIVE] > 0.5 else self._since_abs + self._dt
+        mean = 0.5 * (x[ecu.RL] + x[ecu.RR])
+        apart, speed = (x[ecu.RR] - x[ecu.RL]) / max(mean, 1.0), car.rear.rolling_radius * mean
+        slip = np.interp(-x[ecu.A_X] / G, self._table.tyre.force, self._table.tyre.slip)
         turned = turning(apart, speed, car.track_width, slip, car.cg_height)
         share = 1.0 - math.exp(-self._dt / LATERAL_TIME) if self._readings else 1.0
         self._lateral += share * float(turned - self._lateral)
-        signals = self._since_abs, self._since_lock, self._lateral, x[STEERING]
+        signals = self._since_abs, self._since_lock, self._lateral, x[ecu.STEERING]
         return int(first_reason(*signals, self._dt))
 
     def _block_ends(self, *, with_answer: bool = True) -> None:
         """Take in the means of a block and answer; ``with_answer`` False before the first block."""
-        x = np.array(self._rows or [np.zeros(len(CHANNELS))])
-        fault, why = Reason.FAULT in self._why, max(self._why, default=0)
-        driven = np.array([x[:, DRIVEN].max() > 0.5])
-        self._rows, self._why = [], []
-        p, a_x, (fl, fr, rl, rr) = x[:, P_MC].mean(), x[:, A_X].mean(), x[:, OMEGA].mean(axis=0)
+        x = np.array(self._rows or [np.zeros(len(ecu.CHANNELS))])
+        fault, disturbed = Reason.FAULT in self._reasons, max(self._reasons, default=0)
+        driven = np.array([x[:, ecu.DRIVEN].max() > 0.5])
+        self._rows, self._reasons = [], []
+        p, a_x = x[:, ecu.P_MC].mean(), x[:, ecu.A_X].mean()
+        fl, fr, rl, rr = x[:, ecu.OMEGA].mean(axis=0)
         omega, z, car = np.array([fl + fr, rl + rr]) / 2.0, -a_x / G, self._table.vehicle
         radii = np.array([car.front.rolling_radius, car.rear.rolling_radius])
         spin = np.zeros(2) if self._omega is None else (omega - self._omega) / self._c.block
         if self._faulty or fault:
             spin = -G * z / radii
-        drive_f, drive_r = x[:, DRIVE].mean(axis=0)
+        drive_f, drive_r = x[:, ecu.DRIVE].mean(axis=0)
         means = {"p_f": p, "p_r": p, "z": z, "speed": radii[1] * omega[1], "end": 0.0}
         means |= {"drive_f": drive_f, "omega_f": omega[0], "spin_f": spin[0]}
         means |= {"drive_r": drive_r, "omega_r": omega[1], "spin_r": spin[1], "lead_in": False}
         columns: dict[str, Any] = {name: np.array([mean]) for name, mean in means.items()}
         b = Blocks(**columns, v=None, samples=self._n, length=self._c.block)
-        inputs = step_inputs(self._table, b, np.array([why]), driven)
+        inputs = step_inputs(self._table, b, np.array([disturbed]), driven)
         block = Sample(*(float(y[0]) for y in inputs))
         state = self._state if with_answer else started(self._c)
         if with_answer:

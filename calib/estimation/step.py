@@ -18,27 +18,8 @@ import numpy as np
 from calib.base.arrays import Array, Index, Mask
 from calib.base.intervals import Z95
 from calib.base.names import G
+from calib.estimation import equations as eq
 from calib.estimation.constants import Constants
-from calib.estimation.equations import (
-    BlockState,
-    block_state,
-    brake_line_lag,
-    eta_error,
-    held_variance,
-    motor_fits,
-    reason_of,
-    reset_held,
-    rim_speed,
-    rolls,
-    share_of,
-    slip_evidence,
-    start,
-    step_filters,
-    take_zeros,
-    update,
-    update_zero,
-    widen_zeros,
-)
 from calib.estimation.state import Sample, State
 
 
@@ -67,21 +48,21 @@ class Answer(NamedTuple):
 def started(c: Constants) -> State:
     """Return the state before the first block."""
     s = State()
-    start(c, s)
+    eq.start(c, s)
     s.zero_slip.variance = c.var_zero
     return s
 
 
-def follow(c: Constants, s: State, x: Sample[float]) -> BlockState[float]:
+def follow(c: Constants, s: State, x: Sample[float]) -> eq.BlockState[float]:
     """Update the state by a block, and return the estimate of brakes and tyres."""
-    brake_line_lag(c, s, x.nominal)
+    eq.brake_line_lag(c, s, x.nominal)
     counts = x.rim > c.moving and not x.disturbed
-    counts = motor_fits(c, s, x, counts=counts) and counts
+    counts = eq.motor_fits(c, s, x, counts=counts) and counts
     _learn_zeros(c, s, x, counts=counts)
-    step_filters(c, s, x, counts=counts)
+    eq.step_filters(c, s, x, counts=counts)
     if counts and not math.isnan(x.v):
         _update_speed(c, s, x)
-    return block_state(s, counts=counts)
+    return eq.block_state(s, counts=counts)
 
 
 def _learn_zeros(c: Constants, s: State, x: Sample[float], *, counts: bool) -> None:
@@ -89,16 +70,16 @@ def _learn_zeros(c: Constants, s: State, x: Sample[float], *, counts: bool) -> N
 
     A block of a rolling car waits for `Constants.before_bite`, and counts if no brake bit then.
     """
-    widen_zeros(c, s)
+    eq.widen_zeros(c, s)
     s.zero_slip.variance = min(s.zero_slip.variance + c.walk_radius, c.var_zero)
     if x.pressure <= c.bite and len(s.waiting) >= round(c.before_bite / c.block):
         old = s.waiting.popleft()
-        take_zeros(c, s, old.demand, old.eta_less_1, old.rim)
+        eq.take_zeros(c, s, old.demand, old.eta_less_1, old.rim)
         if old.v > c.moving:
-            slip = 1.0 - rim_speed(s, old) / old.v
+            slip = 1.0 - eq.rim_speed(s, old) / old.v
             variance = c.var_rim / old.rim**2 + (c.noise_v / old.v) ** 2 / c.block
-            update_zero(s.zero_slip, slip, variance)
-    if rolls(c, s, x, counts=counts) and not x.driven:
+            eq.update_zero(s.zero_slip, slip, variance)
+    if eq.rolls(c, s, x, counts=counts) and not x.driven:
         s.waiting.append(x)
     else:
         s.waiting.clear()
@@ -110,12 +91,12 @@ def _update_speed(c: Constants, s: State, x: Sample[float]) -> None:
     variance = (c.noise_v**2 + 1e-8) / c.block + v**2 * s.zero_slip.variance
     variance += (G * x.z * c.late_sigma) ** 2
     in_time = x.v - G * x.z * c.late
-    update(c, s, 1.0, 0.0, in_time * (1.0 - s.zero_slip.value) - v, variance, -s.check.v)
+    eq.update(c, s, 1.0, 0.0, in_time * (1.0 - s.zero_slip.value) - v, variance, -s.check.v)
 
 
 def step(c: Constants, s: State, x: Sample[float]) -> Answer:
     """Update the state by a block, and return the answer."""
-    state = BlockState(*np.array([follow(c, s, x)]).T)
+    state = eq.BlockState(*np.array([follow(c, s, x)]).T)
     return _answers(c, s, Sample(*np.array([x]).T), state).take(0)
 
 
@@ -124,23 +105,23 @@ def run(c: Constants, x: Sample[Array]) -> Answer:
     s = started(c)
     rows = zip(*(column.tolist() for column in x), strict=True)
     states = chain.from_iterable(follow(c, s, Sample(*row)) for row in rows)
-    of_blocks = np.fromiter(states, np.float64).reshape(-1, len(BlockState._fields))
-    return _answers(c, s, x, BlockState(*of_blocks.T))
+    of_blocks = np.fromiter(states, np.float64).reshape(-1, len(eq.BlockState._fields))
+    return _answers(c, s, x, eq.BlockState(*of_blocks.T))
 
 
-def _answers(c: Constants, s: State, x: Sample[Array], state: BlockState[Array]) -> Answer:
+def _answers(c: Constants, s: State, x: Sample[Array], state: eq.BlockState[Array]) -> Answer:
     """Answer each block (k,) by its ``state`` after `follow`."""
     unbraked = state.blocks == 0.0  # since the last stop
     z = np.where(unbraked, c.usual_z, state.z)
     shift = state.shift / z
     log_slip, sigma = c.slip(z, shift, 0.0 * z)
-    w = slip_evidence(c, state, z, log_slip, sigma)
+    w = eq.slip_evidence(c, state, z, log_slip, sigma)
     more = Z95 * np.sqrt(w.noise + w.accelerometer)  # half-width by filter and a_x
     level = widened(c.level(z), more) + np.log(w.pads * w.scaled)
 
     of_map = np.clip(shift, *c.pads.axes[1][[0, -1]]) == shift
     readable = of_map & ~unbraked & (z >= c.least_z)
-    error = eta_error(c, state, z) / z, w.slip_sigma
+    error = eq.eta_error(c, state, z) / z, w.slip_sigma
     now, zeros = _ratio(c, (z, shift, w.slip), error, x.log_odds, readable)
     counts = state.counts > 0.0
     best, zeros = _keep(c, s, now, zeros, w.pads, (unbraked, counts & (x.pressure > c.bite)))
@@ -148,7 +129,7 @@ def _answers(c: Constants, s: State, x: Sample[Array], state: BlockState[Array])
         level, best[:, 0], best[:, 1], w.noise, w.accelerometer, zeros,
         log_slip + sigma * w.slip, sigma * w.slip_sigma, state.zero_eta, state.zero_slip,
         state.checks, np.where(counts, state.innovation, np.nan),
-        reason_of(c, x, state, np.exp(level[0]), of_map),
+        eq.reason_of(c, x, state, np.exp(level[0]), of_map),
     )  # fmt: skip
 
 
@@ -187,7 +168,7 @@ def _ratio(
         now, zeros = widened(now, more), zeros + (more[0] / Z95) ** 2
     narrowed = (now[2, 0] - now[1, 0]) / (prior[2, 0] - prior[1, 0])  # width over the prior's
     each = zip(narrowed.tolist(), readable.tolist(), strict=True)
-    share = np.array([share_of(c, width, 1.0) if reads else 0.0 for width, reads in each])
+    share = np.array([eq.share_of(c, width, 1.0) if reads else 0.0 for width, reads in each])
     now, zeros = prior + share * (now - prior), share * zeros
     of_prior = 1.0 + share * (narrowed - 1.0)
     # The map has the ratio of the brake forces; less log_odds it is that of the pads. As far as its
@@ -210,18 +191,18 @@ def _keep(
     for row, pads, reset, count in zip(rows, level.tolist(), resets, counts, strict=True):
         s.age += c.block
         if reset:
-            s.held_ratio, grown = row, reset_held(c, s, pads, 1.0)
+            s.held_ratio, grown = row, eq.reset_held(c, s, pads, 1.0)
         else:
-            grown = held_variance(c, s, pads)
+            grown = eq.held_variance(c, s, pads)
         if count and not reset:
             middle, _, low, _, high, *_ = s.held_ratio  # of the ratio; the others are of its change
             more = Z95 * math.sqrt(grown)
             width = math.hypot(middle - low, more) + math.hypot(high - middle, more)
-            share = share_of(c, row[4] - row[2], width)
+            share = eq.share_of(c, row[4] - row[2], width)
             if share > 0.0:
                 pairs = zip(s.held_ratio, row, strict=True)
                 s.held_ratio = [(1.0 - share) * x + share * y for x, y in pairs]
-                grown = reset_held(c, s, pads, share)
+                grown = eq.reset_held(c, s, pads, share)
         ratios.append(s.held_ratio)
         more_variance.append(grown)
     out, variance = np.array(ratios).T, np.array(more_variance)

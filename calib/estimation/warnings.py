@@ -20,14 +20,7 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.intervals import Z95
 from calib.base.names import G
-from calib.base.warning import (
-    VOID,
-    WARN,
-    Measured,
-    PlausibilityWarning,
-    rule_warnings,
-    unexplained,
-)
+from calib.base.warning import VOID, WARN, Measured, PlausibilityWarning, rule_warnings, unexplained
 from calib.car.braking import BITE, MOVING
 from calib.estimation.estimator import Estimate
 from calib.estimation.known import known_resistance
@@ -76,13 +69,14 @@ def warnings_of(e: Estimate, run: Run | None = None) -> tuple[PlausibilityWarnin
     """
     log_run = run or e.run
     resistance = known_resistance(e.table)
-    evidence = Evidence(
-        log_run, e.run.accelerometer(resistance, e.noise), brake_response(e.read, e.forces)
-    )
+    accelerometer = e.run.accelerometer(resistance, e.noise)
+    evidence = Evidence(log_run, accelerometer, brake_response(e.read, e.forces))
     of_table = [Measured("axles_exchanged", axles_exchanged(e.table, e))]
-    if (parts := log_run.wheels) is not None:
-        expected = float(np.interp(parts.z, e.table.paper.z, e.table.paper.eta)) - 1.0
-        if crossed := crossed_diagonal(parts, expected):
+    wheels = log_run.wheels
+    if wheels is not None:
+        expected = float(np.interp(wheels.z, e.table.paper.z, e.table.paper.eta)) - 1.0
+        crossed = crossed_diagonal(wheels, expected)
+        if crossed:
             of_table.append(Measured("wheels_crossed", crossed.part, words={"found": crossed}))
     if e.valid.any():
         i = int(np.flatnonzero(e.valid)[-1])
@@ -94,7 +88,7 @@ def warnings_of(e: Estimate, run: Run | None = None) -> tuple[PlausibilityWarnin
         *warnings_on(evidence, VALIDATE, kinds),
         *rule_warnings(log_run.log.name, of_table, VALIDATE, kinds),
     )
-    is_hinted = (
+    may_be_mistake = (
         any(warning.code in _HINTS for warning in warnings)
         or share(e.valid, counted_samples(e)) <= 0.5
         or _is_beside_pressure(evidence)
@@ -102,7 +96,7 @@ def warnings_of(e: Estimate, run: Run | None = None) -> tuple[PlausibilityWarnin
     )
     slipping = log_run.slipping
     rolls = slipping is not None and not (slipping.locked or slipping.cycles)
-    named = _mistakes(e, resistance, evidence) if is_hinted and rolls else ()
+    named = _mistakes(e, resistance, evidence) if may_be_mistake and rolls else ()
     by_mistake = rule_warnings(log_run.log.name, named, VALIDATE)
     return (*unexplained(by_mistake, warnings), *warnings)
 

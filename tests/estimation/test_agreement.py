@@ -16,11 +16,10 @@ from tests.support.tables import made_table
 def on_road(estimate, stiffness, sigma=0.04):
     """The estimate on a road whose tyres are stiffer than those of the ramp by this logarithm."""
     tyre = made_table().tyre
-    one = np.ones_like(estimate.time)
+    ones = np.ones_like(estimate.time)
     slip = np.log(tyre.slip[-1] / tyre.force[-1]) - stiffness
-    step = estimate.best.step._replace(slip=slip * one, slip_sigma=sigma * one)
-    told = replace(estimate.best, step=step)
-    return replace(estimate, table=made_table(), best=told)
+    step = estimate.best.step._replace(slip=slip * ones, slip_sigma=sigma * ones)
+    return replace(estimate, table=made_table(), best=replace(estimate.best, step=step))
 
 
 def stops(*stiffness, sigma=0.04, pads=(0.4, 0.36), level=1.0):

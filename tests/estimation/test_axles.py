@@ -46,10 +46,10 @@ def weak(plant, share, seed=3):
 
 def test_swapped_axles_leave_nothing_valid_with_a_reference_speed_and_without(fitted):
     log = swapped(noisy(stop(WET), 0))
-    for one in validate(fitted, [log, without(log, "v")]):
-        assert not one.passed
-        assert not one.estimate.valid.any()
-        (warning,) = (w for w in one.warnings if w.code == "axles_exchanged")
+    for result in validate(fitted, [log, without(log, "v")]):
+        assert not result.passed
+        assert not result.estimate.valid.any()
+        (warning,) = (w for w in result.warnings if w.code == "axles_exchanged")
         assert "swapped" in warning.causes[0]
 
 

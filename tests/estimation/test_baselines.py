@@ -1,4 +1,4 @@
-"""The methods beside the estimate: shown, or left out with a note; none of them stops a run."""
+"""Other methods than the estimate: their errors, and none where a method does not apply."""
 
 from dataclasses import replace
 
@@ -38,8 +38,8 @@ def test_errors_are_against_truth_or_the_speed(fitted):
     assert set(by_truth.baselines) == {"estimate", "ecu", *METHODS}
     assert set(by_speed.baselines) == {"ecu", *METHODS}
     assert by_nothing.baselines == {}
-    told = [found.compared_with for found in (by_truth, by_speed, by_nothing)]
-    assert told == ["truth", "reference", "none"]
+    references = [result.compared_with for result in (by_truth, by_speed, by_nothing)]
+    assert references == ["truth", "reference", "none"]
     e = by_speed.estimate
     off = (METHODS["nominal"](e)[1] / e.best.pads_r.value - 1.0)[e.valid]
     assert by_speed.baselines["nominal"][1] == pytest.approx(np.sqrt(np.mean(off**2)))

@@ -46,8 +46,7 @@ def sums_agree(e):
 
 @pytest.mark.parametrize("name", ["dry", "wet", "patch", "without v"])
 def test_parts_add_up_to_the_interval(table, logs, name):
-    e = estimate(table, logs[name])
-    sums_agree(e)
+    sums_agree(estimate(table, logs[name]))
 
 
 def test_they_add_up_with_given_pads(table, logs):
@@ -65,10 +64,10 @@ def test_a_weighed_car_has_less_of_the_mass(table, logs):
     """What is left of that part is the resistance of another road, 0.0015 g."""
     known = fit(replace(CAR, mass_tolerance=0.0), [noisy(ramp(REAL), 1)])
     for name in ("dry", "wet"):
-        weighed, open_ = (budget(estimate(of, logs[name])) for of in (known, table))
-        for one, other in zip(weighed, open_, strict=True):
-            assert one["mass"] < 0.012
-            assert other["mass"] == pytest.approx(0.03, rel=0.35)
+        weighed, open_ = (budget(estimate(x, logs[name])) for x in (known, table))
+        for axle_weighed, axle_open in zip(weighed, open_, strict=True):
+            assert axle_weighed["mass"] < 0.012
+            assert axle_open["mass"] == pytest.approx(0.03, rel=0.35)
 
 
 @pytest.mark.parametrize(("plant", "scale"), [(IDEAL, 0.94), (REAL, 1.06)])

@@ -53,9 +53,9 @@ def columns(e, until=None):
     return {name: np.asarray(x[:stop], float) for name, x in out.items()}
 
 
-def same(one, other, tolerance):
-    for name, x in one.items():
-        y = other[name]
+def same(result, expected, tolerance):
+    for name, x in result.items():
+        y = expected[name]
         assert np.array_equal(np.isnan(x), np.isnan(y)), name
         scale = max(1.0, np.nanmax(np.abs(x), initial=0.0))
         assert np.nanmax(np.abs(x - y), initial=0.0) <= tolerance * scale, name
@@ -289,7 +289,6 @@ def quick():
 
 def test_a_fast_pedal_on_soft_tyres_is_no_change_of_the_pads(fitted, quick):
     """Slip leads the force by sigma/v. Who takes the tyre for stiff finds worse rear pads."""
-
     e = estimate(fitted, quick)
     assert all(np.mean(inside) > 0.95 for inside in truth_inside(e, quick))
 

@@ -61,9 +61,9 @@ def errors(table, log):
         [
             [
                 np.mean(np.log(x.value[counted] / log.truth[f"true_Tb_{axle}l"][counted]))
-                for axle, x in (("f", of.torque_f), ("r", of.torque_r))
+                for axle, x in (("f", answer.torque_f), ("r", answer.torque_r))
             ]
-            for of in (e.best, e.ecu)
+            for answer in (e.best, e.ecu)
         ]
     )
 

@@ -26,7 +26,7 @@ GAIN_F, GAIN_R = 2 * 28.84e-4 * 0.1309, 2 * 11.34e-4 * 0.1240
 
 
 SIGMA = 0.02
-"""Of the logarithm of everything that is read out, unless told."""
+"""Standard deviation of ln of all answers, if a test gives no other."""
 
 
 def bounded(value, sigma=SIGMA):
@@ -136,10 +136,10 @@ def test_a_perfect_estimate():
         assert figures[f"{name}_r"] == pytest.approx(0.0, abs=1e-12)
     for name in ("truth_in_interval", "valid_share", "covered_share", "ecu_valid_share"):
         assert figures[name] == 1.0
-    for of in ("", "ecu_", "true_"):
-        assert figures[f"{of}pad_friction_f"] == pytest.approx(0.40)
-        assert figures[f"{of}pad_friction_r"] == pytest.approx(0.36)
-        assert figures[f"{of}pad_level"] == pytest.approx(LEVEL)
+    for prefix in ("", "ecu_", "true_"):
+        assert figures[f"{prefix}pad_friction_f"] == pytest.approx(0.40)
+        assert figures[f"{prefix}pad_friction_r"] == pytest.approx(0.36)
+        assert figures[f"{prefix}pad_level"] == pytest.approx(LEVEL)
     for side in ("f", "r", "level"):
         assert figures[f"interval_{side}"] == pytest.approx(WIDTH)
         assert figures[f"ecu_interval_{side}"] == pytest.approx(WIDTH)
@@ -190,11 +190,11 @@ def test_true_pads_follow_from_torque_and_pressure():
 
 
 def test_innovation_is_that_of_what_was_measured_after_the_lead_in():
-    told = 0.8 * np.random.default_rng(3).standard_normal(40)
-    e = made_estimate(innovation=np.concatenate([np.full(50, 9.0), told, np.full(10, np.nan)]))
+    measured = 0.8 * np.random.default_rng(3).standard_normal(40)
+    e = made_estimate(innovation=np.concatenate([np.full(50, 9.0), measured, np.full(10, np.nan)]))
     figures = scored(with_blocks(e, lead_in=np.arange(100) < 50), BLIND)
-    assert figures["innovation_rms"] == pytest.approx(np.sqrt(np.mean(told**2)))
-    assert figures["innovation_colour"] == pytest.approx(np.mean(told[1:] * told[:-1]))
+    assert figures["innovation_rms"] == pytest.approx(np.sqrt(np.mean(measured**2)))
+    assert figures["innovation_colour"] == pytest.approx(np.mean(measured[1:] * measured[:-1]))
 
 
 def test_a_truth_of_nought_is_no_proof():
@@ -214,9 +214,9 @@ def with_speed(e):
 
 
 def test_the_ecu_is_scored_over_its_own_valid_samples():
-    told = np.arange(N) < 600
-    mu = np.where(told, 0.40, 0.90)
-    e = made_estimate(ecu=readout(mu, 0.36, valid=told), speed=np.where(np.arange(N) < 800, 20, 2))
+    valid = np.arange(N) < 600
+    mu = np.where(valid, 0.40, 0.90)
+    e = made_estimate(ecu=readout(mu, 0.36, valid=valid), speed=np.where(np.arange(N) < 800, 20, 2))
     figures = scored(e)
     assert figures["ecu_valid_share"] == pytest.approx(600 / 800)
     assert figures["ecu_pad_friction_f"] == pytest.approx(0.40)
@@ -261,13 +261,13 @@ def test_the_difference_of_two_posteriors_is_one_in_its_own_spread():
     """Conjugate normals: both see the ramp, and the stop; one sees v, too."""
     rng = np.random.default_rng(7)
     truth = 0.10 * rng.standard_normal(N)
-    seen = [truth + s * rng.standard_normal(N) for s in (0.1, 0.05)]
+    readings = [truth + s * rng.standard_normal(N) for s in (0.1, 0.05)]
     weights = 1.0 / np.array([0.10, 0.1, 0.05]) ** 2
-    ecu = weights[1] * seen[0] / weights[:2].sum()
-    best = (weights[1] * seen[0] + weights[2] * seen[1]) / weights.sum()
-    told = departure(
+    ecu = weights[1] * readings[0] / weights[:2].sum()
+    best = (weights[1] * readings[0] + weights[2] * readings[1]) / weights.sum()
+    rms = departure(
         bounded(np.exp(ecu), weights[:2].sum() ** -0.5),
         bounded(np.exp(best), weights.sum() ** -0.5),
         np.ones(N, bool),
     )
-    assert told == pytest.approx(1.0, abs=4.0 / np.sqrt(2 * N))
+    assert rms == pytest.approx(1.0, abs=4.0 / np.sqrt(2 * N))

@@ -1,4 +1,4 @@
-"""What an estimate has of an ECU: sensors that fail as they read, and gaps of a log."""
+"""Answers of an ECU in an estimate: sensors that fail as they read, and gaps of a log."""
 
 from dataclasses import replace
 
@@ -38,8 +38,8 @@ def test_sensors_are_judged_as_they_read_not_behind_known_effects(fitted, effect
     glitch = np.where(np.arange(log.time.size) % 397 == 300, 300e5, log["p_mc"])
     frozen = np.where(log.time < log.time[0] + 1.0, log["a_x"], log["a_x"][0])
     fine, rough, frozen, glitch = (
-        estimate(fitted, one, car)
-        for one in (log, read(log, a_x=rough), read(log, a_x=frozen), read(log, p_mc=glitch))
+        estimate(fitted, changed, car)
+        for changed in (log, read(log, a_x=rough), read(log, a_x=frozen), read(log, p_mc=glitch))
     )
     assert not np.any(rough.ecu.step.reason == Reason.FAULT)
     assert not np.any(frozen.ecu.valid)
@@ -55,16 +55,17 @@ def test_behind_a_gap_of_the_log_the_pads_are_within_their_bounds(fitted, gap, l
     log = without(noisy(stop(replace(REAL, pads=lambda t: PADS)), 6), *left_out)
     start = log.time[np.argmax(log["p_mc"] > 10e5)] + 0.6
     kept = (log.time < start) | (log.time > start + gap)
-    channels, truth = ({k: x[kept] for k, x in of.items()} for of in (log.channels, log.truth))
+    channels = {name: x[kept] for name, x in log.channels.items()}
+    truth = {name: x[kept] for name, x in log.truth.items()}
     (found,) = validate(fitted, [replace(log, channels=channels, truth=truth)])
     assert found.passed
-    assert {one.code for one in found.all_warnings} <= {"clock_gaps", "level_changed"}
+    assert {warning.code for warning in found.all_warnings} <= {"clock_gaps", "level_changed"}
     e = found.estimate
     assert np.array_equal(e.time, log.time[kept])
-    for told in (e.ecu, e.best):
-        late = told.valid & (e.time > start + gap)
+    for answer in (e.ecu, e.best):
+        late = answer.valid & (e.time > start + gap)
         assert late.sum() > 100
-        for pads, true in ((told.pads_f, PADS[0]), (told.pads_r, PADS[1])):
+        for pads, true in ((answer.pads_f, PADS[0]), (answer.pads_r, PADS[1])):
             assert np.all((pads.lower < true) & (true < pads.upper) | ~late)
             assert pads.value[late] == pytest.approx(true, rel=0.08)
 

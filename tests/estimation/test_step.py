@@ -159,7 +159,7 @@ def test_the_error_of_eta_holds_a_body_that_pitches():
     Loads that are late by h (z - z_b)/L change the slips of both axles by that over their loads.
     """
     rng, n, time = np.random.default_rng(2), 200, 0.01 * np.arange(150)
-    card = {one.name: one for one in CATALOGUE["pitch_coupling"].card.parameters}
+    card = {row.name: row for row in CATALOGUE["pitch_coupling"].card.parameters}
     share, omega, damping = (
         np.clip(rng.normal(card[x].typical, card[x].spread, n), card[x].low, card[x].high)
         for x in ("elastic_share", "natural_frequency", "damping")
@@ -188,15 +188,11 @@ def test_pads_that_step_are_followed_within_three_blocks():
     for _ in range(20):
         z = 0.6 * 0.4
         speed -= G * (z + zero) * DT
-        blocks.append(replace_sample(blocks[-1], demand=z + zero, z=z + zero, rim=speed, v=speed))
+        blocks.append(blocks[-1]._replace(demand=z + zero, z=z + zero, rim=speed, v=speed))
     answers, _ = run(blocks)
     for answer in answers[-17:]:
         assert answer.level[0] == pytest.approx(math.log(0.6), abs=0.03)
         assert answer.level[1] < math.log(0.6) < answer.level[2]
-
-
-def replace_sample(x, **changed):
-    return x._replace(**changed)
 
 
 def test_a_second_stop_starts_anew():
@@ -239,11 +235,11 @@ def test_reasons():
         ({"disturbed": Reason.CORNERS}, Reason.CORNERS),
         ({"disturbed": Reason.LOCKED, "rim": 1.0}, Reason.LOCKED),
     ):
-        assert step(constants(), s, replace_sample(last, **changed)).reason == reason
+        assert step(constants(), s, last._replace(**changed)).reason == reason
 
 
 def test_an_eta_that_no_stop_shows_is_not_read():
-    answers, _ = run([replace_sample(x, eta_less_1=-0.002 + 0.1 * (x.eta_less_1 + 0.002) / 0.004)
+    answers, _ = run([x._replace(eta_less_1=-0.002 + 0.1 * (x.eta_less_1 + 0.002) / 0.004)
                       if x.nominal else x for x in stop()])  # fmt: skip
     last = answers[-1]
     assert last.reason == Reason.BEYOND_MAP

@@ -13,26 +13,14 @@ from calib.car.mass import MassUsed
 from calib.estimation.limits import DEFAULTS
 from calib.estimation.metrics import METRICS
 from calib.estimation.results import to_dict
-from calib.estimation.validate import (
-    Validation,
-    validate,
-)
+from calib.estimation.validate import Validation, validate
 from calib.table.exported import Precision, as_exported
 from tests.estimation.test_agreement import on_road
 from tests.estimation.test_metrics import made_estimate
 from tests.support.made_runs import made_run
 from tests.support.made_runs import stop as made_stop
 from tests.support.plant import magic
-from tests.support.reference_car import (
-    CAR,
-    REAL,
-    WET,
-    cut,
-    noisy,
-    ramp,
-    stop,
-    without,
-)
+from tests.support.reference_car import CAR, REAL, WET, cut, noisy, ramp, stop, without
 from tests.support.refusals import refusal
 from tests.support.tables import stored_as
 
@@ -73,7 +61,7 @@ def refused(fitted, log, vehicle=None):
 def test_a_good_stop_passes_with_all_its_figures(passed):
     assert passed.passed
     assert passed.role == "hold-out"
-    assert [one.code for one in passed.warnings] == ["level_changed"]  # the pads are wet
+    assert [warning.code for warning in passed.warnings] == ["level_changed"]  # the pads are wet
     assert set(passed.figures) == set(METRICS)
     assert [j.figure for j in passed.judgements] == [limit.figure for limit in DEFAULTS]
     assert {j.verdict for j in passed.judgements} == {"passed"}

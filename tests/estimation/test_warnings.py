@@ -43,7 +43,7 @@ def test_a_clean_stop_is_not_warned_about(fitted, clean):
 def test_a_wrong_a_x_is_named_and_measured(fitted, clean, scale, offset, code, within):
     log = misread(noisy(clean, 0), scale, offset)
     found = warnings_of(estimate(fitted, log))
-    (warning,) = [one for one in found if one.code == code]
+    (warning,) = [warning for warning in found if warning.code == code]
     assert warning.measured == pytest.approx(scale - 1.0 + offset, abs=within)
 
 
@@ -60,7 +60,7 @@ def test_wheel_speeds_of_an_axle_that_are_late_are_named_first(fitted, clean, ax
 def test_pads_wet_on_one_axle_are_named(fitted):
     log = noisy(stop(with_pads(REAL, 0.22, 0.38)), 3)
     found = warnings_of(estimate(fitted, log))
-    (warning,) = [one for one in found if one.code == "pads_changed_apart"]
+    (warning,) = [warning for warning in found if warning.code == "pads_changed_apart"]
     assert warning.measured == pytest.approx(0.22 / 0.38 - 1.0, rel=0.3)
 
 
@@ -88,10 +88,10 @@ def test_passengers_in_the_stops_only_are_named_first(fitted, pressure, logged):
     log = noisy(stop(with_passengers(225.0), pressure), 7)
     log = log if logged == "with v" else without(log, "v")
     found = warnings_of(estimate(fitted, log))
-    assert "level_changed" in [one.code for one in found]
-    for one in found:
-        assert "load" in one.causes[0]
-        assert "--mass" in one.do
+    assert "level_changed" in [warning.code for warning in found]
+    for warning in found:
+        assert "load" in warning.causes[0]
+        assert "--mass" in warning.do
 
 
 def test_a_strong_motor_that_is_not_logged_leaves_nothing_valid(fitted):
