@@ -55,8 +55,8 @@ class Readout:
     Pad frictions are without known effects, torques are those that act.
     """
 
-    inputs: Sample[Array]  # of the step, for each block
-    step: Answer  # for each sample that of the last whole block
+    inputs: Sample[Array]  # inputs of the step, for each block
+    step: Answer  # answer of the last whole block, for each sample
     level: Bounded  # sum of the brake torques over that of the file's pads [1]
     ratio: Bounded  # front pads over rear ones [1]
     pads_f: Bounded  # pad friction [1]
@@ -170,7 +170,7 @@ def pads_of_blocks(table: Table, x: Sample[Array], answer: Answer) -> tuple[Arra
 
 
 def with_before(c: Constants, answer: Answer) -> Answer:
-    """Return the answers of k blocks behind one, any pads, for the time before a block ends."""
+    """Prepend the answer before any block, when all pads are possible: (1 + k,) for k blocks."""
     answer = answer.take(np.append(0, np.arange(answer.reason.size)))
     for x in (answer.level, answer.ratio, answer.change):
         x[:, 0] = np.log([1.0, c.least_level, c.most_level])

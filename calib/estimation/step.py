@@ -134,7 +134,7 @@ def _answers(c: Constants, s: State, x: Sample[Array], state: eq.BlockState[Arra
 
 
 def widened(x: Array, more: Array) -> Array:
-    """Return a median and its bounds ``x`` (3, ...), widened by ``more`` as root of squares.
+    """Return a median and its bounds (3, ...), with distances d widened to hypot(d, more).
 
     ``more`` is the same distance for both bounds (...), or (3, ...) with the first one unused.
     """
