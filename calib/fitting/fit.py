@@ -120,13 +120,13 @@ def fit(
     ensemble, figures = explained(car, runs, ratio_prior, priors, refused, [*mistakes, *moves_eta])
     ensemble, by_stops = learn(car, ensemble, braked)
     support = list(zip(priors, ensemble.prior_support.tolist(), strict=True))
-    some = ensemble.take_with_pulls(slice(None, None, 4))  # a quarter is enough for curves
-    path, z_end = _path(car, some, full, refused)
+    quarter = ensemble.take_with_pulls(slice(None, None, 4))  # enough draws for curves
+    path, z_end = _path(car, quarter, full, refused)
     pads, budget = _calibration(car, ensemble, full, resistance)
     contradict = any(warning.code in ("a_x_scale", "a_x_against_v") for warning in warnings)
     likely = _CONTRADICT if contradict else other_than_pads(causes)
     require_possible_pads(car, pads, warnings, likely)
-    difference, paper = difference_curves(car, some, full, z_end)
+    difference, paper = difference_curves(car, quarter, full, z_end)
     pad_map, level_map = maps(car, ensemble, pressure_odds(full))
     share_of_prior = min((pads.pad_log_ratio.sigma / ratio_prior.sigma) ** 2, 1.0)
     table = Table(
@@ -134,7 +134,7 @@ def fit(
         vehicle=vehicle,
         difference=difference,
         paper=paper,
-        tyre=tyre_curve(some, path, full),
+        tyre=tyre_curve(quarter, path, full),
         calibration=pads,
         effects=resistance.effects.only(*RESISTANCE),
         noise=asdict(worst_noise([run.noise for run in runs])),
@@ -161,11 +161,12 @@ def fit(
 def _mistakes(
     causes: Sequence[Cause], runs: Sequence[RampRun], refused: Callable[..., LogError]
 ) -> tuple[PlausibilityWarning, ...]:
-    """Warnings of mistakes that explain the ramps. Raises LogError where it is certainly one."""
+    """Warnings of mistakes that explain the ramps. Raises ``refused`` for a certain mistake."""
     mistakes, logs = tuple(measured(causes)), ", ".join(run.name for run in runs)
-    if certain(causes) and (why := rule_warnings(logs, mistakes, FIT, (REFUSE,))):
+    refusals = rule_warnings(logs, mistakes, FIT, (REFUSE,)) if certain(causes) else ()
+    if refusals:
         raise refused(
-            "; or ".join(one.text for one in why),
+            "; or ".join(refusal.text for refusal in refusals),
             expected="forces that the pressure and the logged torques make",
         )
     return rule_warnings(logs, mistakes, FIT)
@@ -179,14 +180,12 @@ def _ready(
     The accelerometers are corrected first, with the usual resistance and its spread.
     """
     usual = identify_resistance(car, ())
-    judged_by = [(run, run.accelerometer(usual)) for run in (*ramps, *coasts)]
-    felt = ((run.felt(sensor), run.noise.z) for run, sensor in judged_by)
-    resistance = identify_resistance(car, felt)
-    ready = (prepare(run, resistance.effects, sensor) for run, sensor in judged_by[: len(ramps)])
-    ramps_ready = [without_disturbances(car, run) for run in ready]
-    sensors = ((run, run.accelerometer(usual)) for run in stops)
-    stops_ready = [prepare(run, resistance.effects, sensor) for run, sensor in sensors]
-    return ramps_ready, stops_ready, resistance
+    sensors = {run: run.accelerometer(usual) for run in (*ramps, *coasts, *stops)}
+    corrected = ((run.felt(sensors[run]), run.noise.z) for run in (*ramps, *coasts))
+    resistance = identify_resistance(car, corrected)
+    prepared = [prepare(run, resistance.effects, sensors[run]) for run in (*ramps, *stops)]
+    ramps_ready = [without_disturbances(car, run) for run in prepared[: len(ramps)]]
+    return ramps_ready, prepared[len(ramps) :], resistance
 
 
 def _path(
@@ -194,7 +193,7 @@ def _path(
 ) -> tuple[SlipPrediction, float]:
     """Eta and slips of the draws up to the highest z, and the z up to which eta rises [1].
 
-    Raises ``refused`` where eta does not rise at all.
+    Raises ``refused`` if eta does not rise.
     """
     z_max = max(float(np.max(run.blocks.z[run.use])) for run in runs)
     path = ramp_path(car, e, np.linspace(0.0, z_max, 201))
@@ -214,8 +213,7 @@ def _calibration(
 ) -> tuple[Calibration, TableBudget]:
     """Pads and stiffness of the ramps, with their budget.
 
-    The pads' ratio and the stiffness are those of the draws ``e``; the level of the pads follows
-    from the sum of forces.
+    Ratio and stiffness are those of the draws ``e``; the level follows from the sum of forces.
     """
     logs = np.stack([e.log_pad_ratio, e.log_stiffness])
     sigmas = np.sqrt(np.diag(np.cov(logs, bias=True))).tolist()

@@ -33,7 +33,7 @@ _PEAKS = (-1.5, -0.5, 0.5, 1.5)  # values of ln of the peak of another road [sta
 _WITHIN = 0.3  # standard deviation around each value, over that of the peak: values are 1 apart
 _STEP = 0.02  # step of ln of a peak, or of ln of the pads' ratio, for a derivative [1]
 _SEARCHES, _FAR = 3, 0.3  # steps of Newton's method to the likeliest pads, the longest step [1]
-_MOST = 3.0  # root mean square of the residuals above which no draw explains a stop [1]
+_LARGEST_RMS = 3.0  # of the residuals, above which no draw explains a stop [1]
 
 
 def learn(car: Vehicle, e: Posterior, stops: Sequence[RampRun]) -> tuple[Posterior, list[str]]:
@@ -66,15 +66,14 @@ def _change(e: Ensemble, log: Array, power: float) -> str:
     weight, ratio = np.exp(log - log.max()), e.log_pad_ratio
     mean = np.average(ratio, weights=weight)
     sigma = math.sqrt(np.average((ratio - mean) ** 2, weights=weight))
-    of_width, of_mean = sigma / float(np.std(ratio)) - 1.0, mean - float(np.mean(ratio))
+    shift = 100.0 * (mean - float(np.mean(ratio)))
+    widening = 100.0 * (sigma / float(np.std(ratio)) - 1.0)
     tempered = f" (its power: {power:.2f})" if power < 1.0 else ""
-    return (
-        f"pads' ratio {100.0 * of_mean:+.1f} %, its half width {100.0 * of_width:+.0f} %{tempered}"
-    )
+    return f"pads' ratio {shift:+.1f} %, its half width {widening:+.0f} %{tempered}"
 
 
 def log_likelihood(car: Vehicle, e: Ensemble, run: RampRun) -> Array:
-    """ln of the likelihood of draws (n,) by one stop; 0 where it has no v, or no draw explains it.
+    """ln of the likelihood of draws (n,) by one stop; 0 without v, or if no draw explains the stop.
 
     Valid while the deceleration hardly changes: a change of the peak then scales the slip of an
     axle by one factor.
@@ -87,25 +86,25 @@ def log_likelihood(car: Vehicle, e: Ensemble, run: RampRun) -> Array:
         for share, peak, stiff, sigmas in _roads(e)
     ]
     log = np.asarray(np.logaddexp.reduce(by_road))
-    explained = -2.0 * float(log.max()) < _MOST**2 * regression.places.size
+    explained = -2.0 * float(log.max()) < _LARGEST_RMS**2 * regression.places.size
     return log if explained else np.zeros(e.size)
 
 
 def _roads(e: Ensemble) -> Iterator[tuple[float, Array, Array, tuple[float, float]]]:
     """Yield the roads of a stop: share, peak, ln of stiffness over the ramp's, and two sigmas.
 
-    Peak and stiffness are (n,); the sigmas are standard deviations of ln of peak and stiffness.
+    Peak and stiffness are (n,); the sigmas are those of ln of peak and of ln of stiffness.
     """
     peaks, stiffs = STOP.log_peak, STOP.log_stiffness
     shares = peaks.share / peaks.share.sum()
     for i, case in enumerate(peaks.cases):
-        other = case == "other road"
-        places = np.array(_PEAKS if other else (0.0,))
+        on_other = case == "other road"
+        places = np.array(_PEAKS if on_other else (0.0,))
         weights = np.exp(-0.5 * places**2)
-        sigmas = float(peaks.sigma[i]) * (_WITHIN if other else 1.0), float(stiffs.sigma[i])
+        sigmas = float(peaks.sigma[i]) * (_WITHIN if on_other else 1.0), float(stiffs.sigma[i])
         for place, weight in zip(places, shares[i] * weights / weights.sum(), strict=True):
-            peak = np.exp(peaks.mean[i] + peaks.sigma[i] * place) * (1.0 if other else e.peak)
-            stiff = stiffs.mean[i] + STIFFENING * other * np.log(peak / DRY_PEAK)
+            peak = np.exp(peaks.mean[i] + peaks.sigma[i] * place) * (1.0 if on_other else e.peak)
+            stiff = stiffs.mean[i] + STIFFENING * on_other * np.log(peak / DRY_PEAK)
             yield float(weight), peak * np.ones(e.size), stiff * np.ones(e.size), sigmas
 
 
@@ -134,12 +133,12 @@ def _on_road(
 
     for _ in range(_SEARCHES):
         low, log, high = (log_evidence(change + x) for x in (-_STEP, 0.0, _STEP))
-        slope, bend = (high - low) / (2.0 * _STEP), (2.0 * log - low - high) / _STEP**2
-        sharp = np.maximum(bend, np.maximum(np.abs(slope) / _FAR, 1.0))
-        change = change + slope / sharp
-    # Laplace: the likelihood of the change is normal, of variance 1/sharp; the prior is a mixture
-    pads, narrow = STOP.log_pad_ratio, 1.0 / sharp[:, None]
-    variance = pads.sigma**2 + narrow
+        slope, curvature = (high - low) / (2.0 * _STEP), (2.0 * log - low - high) / _STEP**2
+        precision = np.maximum(curvature, np.maximum(np.abs(slope) / _FAR, 1.0))
+        change = change + slope / precision
+    # Laplace: the likelihood of the change is normal; its prior is a mixture
+    pads, of_likelihood = STOP.log_pad_ratio, 1.0 / precision[:, None]
+    variance = pads.sigma**2 + of_likelihood
     density = np.exp(-0.5 * (change[:, None] - pads.mean) ** 2 / variance)
-    share = np.sqrt(narrow / variance) * density @ (pads.share / pads.share.sum())
-    return np.asarray(log_evidence(change) + np.log(share))
+    factor = np.sqrt(of_likelihood / variance) * density @ (pads.share / pads.share.sum())
+    return np.asarray(log_evidence(change) + np.log(factor))

@@ -49,28 +49,31 @@ def causes_of(car: Vehicle, runs: Sequence[RampRun], other_road: bool = False) -
     ValueError where a run has no usable block.
     """
     evidence = Evidence(car, runs, other_road)
-    every = (Hypothesis("", 1.0), *hypotheses(car, runs))
-    pads = [evidence.of_pads(h) for h in every if not h.code]
-    screened, base = evidence.screened([h for h in every if h.code], pads), pads[0].log_odds
-    least = _least(pads, screened, other_road)
-    unlikely = [c for c in screened if c.log_odds <= least]
-    likely = [c.hypothesis for c in screened if c.log_odds > least]
-    mistakes = evidence.of_mistakes(likely, base, base - SCREENING_ERROR)
+    all_hypotheses = (Hypothesis("", 1.0), *hypotheses(car, runs))
+    pads = [evidence.of_pads(h) for h in all_hypotheses if not h.code]
+    nothing = pads[0].log_odds
+    screened = evidence.screened([h for h in all_hypotheses if h.code], pads)
+    threshold = _threshold(pads, screened, other_road)
+    unlikely = [c for c in screened if c.log_odds <= threshold]
+    likely = [c.hypothesis for c in screened if c.log_odds > threshold]
+    mistakes = evidence.of_mistakes(likely, nothing, nothing - SCREENING_ERROR)
     causes = (*pads, *unlikely, *mistakes)
-    compared = (replace(cause, log_odds=cause.log_odds - base) for cause in causes)
+    compared = (replace(cause, log_odds=cause.log_odds - nothing) for cause in causes)
     return tuple(sorted(compared, key=lambda cause: -cause.log_odds))
 
 
-def _least(pads: Sequence[Cause], screened: Sequence[Cause], other_road: bool) -> float:
-    """ln of the odds from which on a screened mistake is computed with all draws.
+def _threshold(pads: Sequence[Cause], screened: Sequence[Cause], other_road: bool) -> float:
+    """ln of the odds above which a screened mistake is computed with all draws.
 
     It is infinite on an ``other_road`` where no mistake explains the run better than other pads do.
     """
     best = max(pads, key=lambda cause: cause.log_odds)
-    most = max((cause.log_odds for cause in screened), default=NEVER)
-    if other_road and most < best.log_odds + LIKELY_LOG_ODDS - SCREENING_ERROR:
+    best_mistake = max((cause.log_odds for cause in screened), default=NEVER)
+    if other_road and best_mistake < best.log_odds + LIKELY_LOG_ODDS - SCREENING_ERROR:
         return math.inf
-    return max(best.log_odds, most) - LIKELY_LOG_ODDS * max(best.misfit, 1.0) - SCREENING_ERROR
+    return (
+        max(best.log_odds, best_mistake) - LIKELY_LOG_ODDS * max(best.misfit, 1.0) - SCREENING_ERROR
+    )
 
 
 def _candidates(causes: Sequence[Cause]) -> tuple[Cause, ...]:
@@ -90,8 +93,8 @@ def _candidates(causes: Sequence[Cause]) -> tuple[Cause, ...]:
 def named(causes: Sequence[Cause], beside_pads: bool = True) -> tuple[Cause, ...]:
     """The mistakes that explain the runs, most probable first.
 
-    With ``beside_pads`` they are named even where other pads explain the runs as well. That is for
-    ramps, whose pads are those of the file; pads of a stop may be wet.
+    With ``beside_pads`` they are named even where other pads explain the runs as well: on ramps,
+    whose pads are those of the file. Pads of a stop may be wet.
     """
     near = _candidates(causes)
     mistakes = tuple(c for c in near if c.hypothesis.code)
@@ -101,20 +104,17 @@ def named(causes: Sequence[Cause], beside_pads: bool = True) -> tuple[Cause, ...
 def certain(causes: Sequence[Cause]) -> bool:
     """Whether the ramps certainly hold a mistake: no pads explain them as well."""
     near = _candidates(causes)
-    return (
-        bool(near) and near[0].log_odds > CERTAIN_LOG_ODDS and all(c.hypothesis.code for c in near)
-    )
+    without_pads = bool(near) and all(c.hypothesis.code for c in near)
+    return without_pads and near[0].log_odds > CERTAIN_LOG_ODDS
 
 
 def other_than_pads(causes: Sequence[Cause]) -> str:
     """A mistake, in words, that explains the ramps nearly as well as other pads do; else ""."""
-    best = max(c.log_odds for c in causes if not c.hypothesis.code)
-    near = (
-        c for c in causes if c.hypothesis.code in _IN_WORDS and c.log_odds > best - LIKELY_LOG_ODDS
-    )
-    for cause in near:
-        axle = AXLE_NAMES[cause.hypothesis.axle]
-        return _IN_WORDS[cause.hypothesis.code].format(axle=axle, size=cause.size[0])
+    best_pads = max(c.log_odds for c in causes if not c.hypothesis.code)
+    for cause in causes:
+        code, axle = cause.hypothesis.code, cause.hypothesis.axle
+        if code in _IN_WORDS and cause.log_odds > best_pads - LIKELY_LOG_ODDS:
+            return _IN_WORDS[code].format(axle=AXLE_NAMES[axle], size=cause.size[0])
     return ""
 
 

@@ -27,15 +27,14 @@ from calib.table.table import Calibration, TableBudget, Value
 DEFAULT_PRIOR = Value(CAR.log_pad_ratio.mean, CAR.log_pad_ratio.sigma)
 """Prior of ln of the pads' ratio over that of the file [1], where the user gives no other."""
 
-_LEAST = 1e-3  # lower limit of a level, so that it has a logarithm; no pads have so little [1]
+_LEAST_LEVEL = 1e-3  # lower limit of a level, so that its logarithm exists [1]
 
 
 def pad_ratio_prior(vehicle: Vehicle, bench: RollerBench | None) -> Value:
     """Prior of ln of (mu_f/mu_r) over its value in the vehicle file [1].
 
-    It comes from the roller ``bench``, which measured these very pads, if there is one; else from
-    the tolerances of the file, which hold for the grade of the pads; else it is `DEFAULT_PRIOR`.
-    Raises BenchError and ModelError as `RollerBench.log_pad_ratio`.
+    It comes from the roller ``bench``, else from the pads' tolerances of the file, else it is
+    `DEFAULT_PRIOR`. Raises BenchError and ModelError as `RollerBench.log_pad_ratio`.
     """
     if bench is not None:
         return bench.log_pad_ratio(vehicle)
@@ -53,9 +52,9 @@ def _levels_of(
 
     ``log_ratio`` ln of the pads' ratio over the file's [1]. The errors are relative standard
     deviations by noise, resistance and accelerometer. The level is sum(z y)/sum(z^2), with the
-    demanded force y over the weight; so an error e(z) of y changes it by sum(z e)/sum(z^2). Without
-    v the scale of a_x has its prior, which includes pitch. The noise of the lead-in counts only
-    where the file gives the resistance: an identified resistance already includes that noise.
+    demanded force y over the weight, so an error e of y changes the level by sum(z e)/sum(z^2).
+    Without v the scale of a_x has its prior, which includes pitch. The noise of the lead-in counts
+    only where the file gives the resistance: an identified resistance includes that noise.
     """
     levels, sigmas = [], []
     for run in runs:
@@ -71,7 +70,7 @@ def _levels_of(
             excess = 0.0
             scale_sigma = 0.0 if sensor is None else float(np.sqrt(sensor.variance_scale))
         level = (1.0 - excess) * pad_scale(run, *nominal_forces(vehicle, run, log_ratio))
-        levels.append(max(level, _LEAST))
+        levels.append(max(level, _LEAST_LEVEL))
         sigmas.append([noise, resistance_sigma, scale_sigma])
     return np.array(levels), np.array(sigmas)
 
@@ -83,8 +82,8 @@ def ratio_by_levels(
 
     ln of a level changes with the ratio times a lever, the front axle's share of the brake force.
     The variance of ln of a level is that of the repeatability of pads plus that of the run. Errors
-    that the runs share (resistance, accelerometer) count as independent, which makes the result
-    rather too wide. Without a ramp of one axle the result is the ``prior``.
+    that the runs share (resistance, accelerometer) count as independent, so the result is rather
+    too wide. Without a ramp of one axle the result is the ``prior``.
     """
     if all(run.only is None for run in runs):
         return prior
@@ -92,10 +91,10 @@ def ratio_by_levels(
     weight = 1.0 / (LOG.pads_repeat.sigma**2 + np.sum(sigmas**2, axis=1))
     lever_of = {"f": 1.0, "r": 0.0, None: front_share(vehicle, prior.value)}
     levers, log_levels = np.array([lever_of[run.only] for run in runs]), np.log(levels)
-    # less the means: the common level has no prior
-    log_level, lever = (x - np.average(x, weights=weight) for x in (log_levels, levers))
-    precision = prior.sigma**-2.0 + weight @ lever**2
-    change = float(weight * lever @ log_level / precision)
+    # subtract the means, since the common level has no prior
+    log_levels, levers = (x - np.average(x, weights=weight) for x in (log_levels, levers))
+    precision = prior.sigma**-2.0 + weight @ levers**2
+    change = float(weight * levers @ log_levels / precision)
     return Value(prior.value + change, float(precision**-0.5))
 
 
@@ -104,8 +103,8 @@ def level_of(
 ) -> tuple[float, dict[str, float]]:
     """Common factor on the pads of both axles [1], and the variance of its ln by part.
 
-    ``runs`` are ramps on which both axles brake. More of them reduce only the noise, which includes
-    the scatter of their levels.
+    ``runs`` are ramps on which both axles brake. More ramps reduce only the noise, which includes
+    the scatter of the levels.
     """
     levels, sigmas = _levels_of(vehicle, runs, resistance, log_ratio)
     noise, by_resistance, accelerometer = np.mean(sigmas, axis=0) ** 2
@@ -126,19 +125,19 @@ def calibration_of(
 ) -> tuple[Calibration, TableBudget]:
     """Pads and tyres with their standard deviations, and their budget, see `calib.table.budget`.
 
-    ``scale`` common factor of both axles' pads [1]; ``ratio`` ln of the pads' ratio; ``stiffness``
-    ln of the slip stiffness; ``parts`` variances of level, ratio and stiffness as of `TableBudget`.
+    ``scale`` is the common factor of both axles' pads [1], ``ratio`` ln of the pads' ratio,
+    ``stiffness`` ln of the slip stiffness; ``parts`` are the variances in `TableBudget`.
 
-    The sum of forces determines the mean of the axles, weighed by their share of the force. The
-    scale is their geometric mean, so a change of the ratio changes the scale by half the difference
-    of the shares.
+    The sum of forces determines the mean of the axles' pads, weighed by share of the force. The
+    scale is the geometric mean of the pads, so a change of the ratio changes the scale by half the
+    difference of the shares.
     """
     level_sigma = np.sqrt(sum(parts["level"].values()))
     share = front_share(vehicle, ratio.value)
     half, stiff = np.exp(0.5 * ratio.value), math.exp(stiffness.value)
 
     def with_sigma(value: float, lever: float) -> Value:
-        """A factor on pads whose ln changes by ``lever`` times ln of the ratio."""
+        """Add the sigma of a factor whose ln changes by ``lever`` times ln of the ratio."""
         return Value(float(value), float(value * np.hypot(level_sigma, lever * ratio.sigma)))
 
     pads = Calibration(

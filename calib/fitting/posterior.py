@@ -48,21 +48,17 @@ _ACCEPTED_MOVES, _MOST_MOVES = 0.8, 6  # moves of a draw in a step: accepted one
 
 @dataclass(frozen=True)
 class Posterior(Ensemble):
-    """Draws that explain the ramps, with what a budget and warnings need.
-
-    ``pulls`` (n, m) by part of a budget (`calib.table.budget`): derivative of ln of a draw's
-    probability by each of the m errors of that part, an error of one standard deviation. An error
-    changes the mean of any function x of the draws by cov(x, pull); see `parts_of`.
-    ``misfit`` rms of the residuals of eta and slip over their errors [1]; ``prior_support`` (k,)
-    posterior probability of each informative prior against the default one, at even odds [1].
-    """
+    """Draws that explain the ramps, with figures for budget and warnings."""
 
     pulls: dict[str, Array]
-    misfit: float
+    """By part of a budget, (n, m): derivative of ln of a draw's probability by each of m errors, in
+    standard deviations. An error changes the mean of a function x of the draws by cov(x, pull)."""
+    misfit: float  # rms of the residuals of eta and slip over their errors [1]
     prior_support: Array
+    """Posterior probability of each informative prior over the default one, at even odds (k,)."""
 
     def take_with_pulls(self, rows: Index | slice) -> "Posterior":
-        """The draws of some ``rows``, with their ``pulls``."""
+        """Return the draws of these ``rows``, with their ``pulls``."""
         pulls = {part: pull[rows] for part, pull in self.pulls.items()}
         return replace(self, **vars(Ensemble.take(self, rows)), pulls=pulls)
 
@@ -74,8 +70,8 @@ def parts_of(x: Array, pulls: Mapping[str, Array]) -> dict[str, Array]:
     parts are scaled to add up to the variance of the draws, which also cancels the factor n in the
     covariances.
     """
-    off = x - np.mean(x, axis=1, keepdims=True)
-    by_part = {part: np.sum((off @ pull) ** 2, axis=1) for part, pull in pulls.items()}
+    deviation = x - np.mean(x, axis=1, keepdims=True)
+    by_part = {part: np.sum((deviation @ pull) ** 2, axis=1) for part, pull in pulls.items()}
     total = np.sum([*by_part.values()], axis=0)
     scale = np.divide(np.var(x, axis=1), total, out=np.zeros(len(x)), where=total > 0.0)
     return {part: scale * variance for part, variance in by_part.items()}
@@ -90,9 +86,9 @@ def posterior(
 ) -> Posterior:
     """Draw from the posterior given the ramps ``runs``.
 
-    ``ratio`` prior of ln of the pads' ratio, `DEFAULT_PRIOR` where the user gives none; ``draws``
-    their number; ``priors`` informative priors, which share half of the draws. Raises ValueError
-    where no draw of the prior explains the ramps, or a ramp has no usable block.
+    ``ratio`` is the prior of ln of the pads' ratio, `DEFAULT_PRIOR` where the user gives none;
+    ``draws`` their number; ``priors`` are informative priors, which share half of the draws. Raises
+    ValueError where no draw of the prior explains the ramps, or a ramp has no usable block.
     """
     from scipy.special import ndtri
 
@@ -146,10 +142,10 @@ def _tempered(x: Array, log_evidence: Callable[[Array], Array], rng: np.random.G
         x, log, power = x[rows], log[rows], power + step
         moves = 0.0
         for _ in range(_MOST_MOVES):
-            other = np.sqrt(1.0 - _PCN_STEP**2) * x + _PCN_STEP * rng.standard_normal(x.shape)
-            log_other = log_evidence(other)
-            accepted = np.log(rng.random(log.size)) < power * (log_other - log)
-            x, log = np.where(accepted[:, None], other, x), np.where(accepted, log_other, log)
+            moved = np.sqrt(1.0 - _PCN_STEP**2) * x + _PCN_STEP * rng.standard_normal(x.shape)
+            log_moved = log_evidence(moved)
+            accepted = np.log(rng.random(log.size)) < power * (log_moved - log)
+            x, log = np.where(accepted[:, None], moved, x), np.where(accepted, log_moved, log)
             moves += float(np.mean(accepted))
             if moves > _ACCEPTED_MOVES:
                 break
@@ -157,21 +153,21 @@ def _tempered(x: Array, log_evidence: Callable[[Array], Array], rng: np.random.G
 
 
 def survivors(log: Array, place: float) -> Index:
-    """Draws (n,) resampled systematically by weights of ln ``log``; ``place`` from 0 to 1."""
+    """Resample draws (n,) systematically by weights of ln ``log``, from ``place``, 0 to 1."""
     share = np.cumsum(np.exp(log - log.max()))
     return np.asarray(np.searchsorted(share / share[-1], (np.arange(log.size) + place) / log.size))
 
 
-def tempering_step(log: Array, most: float) -> float:
-    """Next step of the power of the likelihood, at most ``most``, found by bisection.
+def tempering_step(log: Array, largest: float) -> float:
+    """Next step of the power of the likelihood, ``largest`` at most, found by bisection.
 
-    ``log`` ln of the likelihood of the draws (n,). The step leaves an effective sample size of
+    ``log`` is ln of the likelihood of the draws (n,). The step leaves an effective sample size of
     `_ESS_FRACTION` or more.
     """
-    low, high = 0.0, 2.0 * most  # so that the first trial is ``most``
+    low, high = 0.0, 2.0 * largest  # so that the first trial is ``largest``
     for _ in range(41):
-        power = min(0.5 * (low + high), most)
+        power = min(0.5 * (low + high), largest)
         weight = np.exp(power * (log - log.max()))
         ess = weight.sum() ** 2 / (weight @ weight) / log.size
         low, high = (power, high) if ess >= _ESS_FRACTION else (low, power)
-    return min(high, most)
+    return min(high, largest)

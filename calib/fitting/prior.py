@@ -32,27 +32,26 @@ _NONLINEAR = ("load_exponent", "peak_load_exponent", "peak", "log_pad_ratio", *_
 NAMES = (*["form"] * len(FORMS), *_NONLINEAR, "compliance", "log_tyre_ratio", "radius_load")
 """Names of the coordinates in their order: tyre forms, other nonlinear ones, and linear ones."""
 
-PLACES = {name: [i for i, other in enumerate(NAMES) if other == name] for name in NAMES}
+PLACES = {name: np.flatnonzero(np.array(NAMES) == name).tolist() for name in NAMES}
 """Indices of the coordinates of each name."""
 
 DRAWN = len(FORMS) + len(_NONLINEAR)
-"""Number of nonlinear coordinates, which are drawn. Eta and slip are linear in the others, which
-are integrated out."""
+"""Number of nonlinear coordinates, which are drawn. Linear ones are integrated out."""
 
 COMPLIANCE, _SIGMA, *_ = CAR.compliance
-_LESS = 0.5 * CAR.log_tyre_ratio.sigma * COMPLIANCE
+_HALF = 0.5 * CAR.log_tyre_ratio.sigma * COMPLIANCE  # half the difference of the axles
 _LINEAR = np.array([COMPLIANCE, COMPLIANCE, CAR.radius_load.mean])
 _TO_LINEAR = np.array(
-    [[_SIGMA, _LESS, 0.0], [_SIGMA, -_LESS, 0.0], [0.0, 0.0, CAR.radius_load.sigma]]
+    [[_SIGMA, _HALF, 0.0], [_SIGMA, -_HALF, 0.0], [0.0, 0.0, CAR.radius_load.sigma]]
 )
-"""Front and rear compliance and fall of the radii are _LINEAR + _TO_LINEAR @ linear coordinates."""
+"""(front compliance, rear compliance, fall of the radii) = _LINEAR + _TO_LINEAR @ coordinates."""
 
 _BELIEFS: list[Belief] = [getattr(CAR, name) for name in NAMES]
 CENTRE, WIDTH = np.array([(x.mean, x.sigma) for x in _BELIEFS[len(FORMS) : DRAWN]]).T
 """Mean and standard deviation of the nonlinear quantities after the forms."""
 _SPARSE = 0.6  # Dirichlet concentration of the forms: two or three make up most of a tyre
-# The pads' ratio has heavy tails: this share of the cars, with other pads or a fault, scatters
-# wider than the others by this factor.
+# The pads' ratio has heavy tails: a share of the cars, with other pads or a fault, scatters wider
+# by a factor.
 _OTHER_SHARE, _WIDER = 0.1, 4.3
 _VARIANCE_IN_MODEL = np.array([belief.model for belief in _BELIEFS])
 """Variance of each coordinate between the cars of a model, over that between all cars."""
@@ -64,22 +63,19 @@ _COUNT = 200  # effective sample size of the draws of a table
 
 @dataclass(frozen=True)
 class Prior:
-    """A normal prior of the coordinates with ``mean`` (k,) and ``covariance`` (k, k).
-
-    ``code`` is that of the warning where the ramps contradict it.
-    """
+    """A normal prior of the coordinates."""
 
     name: str
-    code: str
-    mean: Array
-    covariance: Array
+    code: str  # of the warning where the ramps contradict the prior
+    mean: Array  # (k,)
+    covariance: Array  # (k, k)
 
 
 _DEFAULT = Prior("the field", "", np.zeros(len(NAMES)), np.eye(len(NAMES)))
 
 
 def draw_cars(x: Array, priors: Sequence[Prior]) -> tuple[Ensemble, Array, Array]:
-    """Cars of standard normal ``x`` (n, DRAWN + 1), and the prior of their linear parameters.
+    """Return cars of standard normal ``x`` (n, DRAWN + 1), and the prior of the linear parameters.
 
     The last column of ``x`` decides which of the ``priors`` a draw has. The linear parameters,
     compliances and ``radius_load``, are 1 in the cars. Given the other coordinates they are normal,
@@ -96,7 +92,7 @@ def draw_cars(x: Array, priors: Sequence[Prior]) -> tuple[Ensemble, Array, Array
 
 
 def prior_index(x: Array, priors: Sequence[Prior]) -> Index:
-    """Which prior each draw (n,) has: 0 for the default prior, i for the i-th of ``priors``."""
+    """Return the prior of each draw (n,): 0 for the default prior, i for the i-th of ``priors``."""
     from scipy.special import ndtr
 
     shares = np.linspace(0.5, 1.0, len(priors) + 1)[:-1]
@@ -133,7 +129,7 @@ def _amounts() -> tuple[Array, Array]:
 
 
 def _cars(y: Array) -> Ensemble:
-    """Cars of nonlinear coordinates ``y`` (n, DRAWN), with linear parameters of 1."""
+    """Return cars of nonlinear coordinates ``y`` (n, DRAWN), with linear parameters of 1."""
     columns = y[:, len(FORMS) :].copy()
     ratio = _NONLINEAR.index("log_pad_ratio")
     columns[:, ratio] = np.interp(columns[:, ratio], *_tails())
@@ -145,7 +141,7 @@ def _cars(y: Array) -> Ensemble:
 
 
 def _coordinates(e: Ensemble) -> Array:
-    """Coordinates (n, k) of draws; of the many that give the same forms, random ones."""
+    """Coordinates (n, k) of draws; random ones of those that give the same forms."""
     rng = np.random.default_rng(44)
     # weights of a Dirichlet distribution times a gamma variate are independent gamma variates
     amounts = e.forms * rng.gamma(_SPARSE * len(FORMS), size=(e.size, 1))
@@ -202,8 +198,8 @@ def _form(use: Array, slip: Array) -> tuple[Array, Array]:
     from scipy.special import ndtri
 
     x = np.asarray(ndtri(spread_evenly(4096, len(FORMS))))
-    off = np.mean((_weights_of(x) @ inverse_forms(use).T / slip - 1.0) ** 2, axis=1)
-    weight = np.exp(-0.5 * (off - off.min()) / (CAR.form.tyre_file / CAR.form.sigma) ** 2)
+    misfit = np.mean((_weights_of(x) @ inverse_forms(use).T / slip - 1.0) ** 2, axis=1)
+    weight = np.exp(-0.5 * (misfit - misfit.min()) / (CAR.form.tyre_file / CAR.form.sigma) ** 2)
     return np.average(x, axis=0, weights=weight), np.cov(x.T, aweights=weight, ddof=0)
 
 
