@@ -1,7 +1,7 @@
 """Linear lags of first and second order, and delays, at the samples of any clock.
 
 The input is taken as linear between its samples. For such an input the result is exact, whether the
-samples are evenly spaced or not. The output is in steady state at the first sample.
+samples are evenly spaced or not. A lag is in steady state at the first sample.
 """
 
 from typing import Any
@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from calib.base.arrays import Array
 
-_LEAST_DIFFERENCE = 1e-3  # of two time constants, over their sum [1]; it is a divisor
+_LEAST_DIFFERENCE = 1e-3
+"""Least difference of the two time constants of a `low_pass`, over their sum [1]: a divisor."""
 
 
 def integral(time: Array, x: Array) -> Array:
@@ -51,8 +52,9 @@ def second_order(time: Array, x: Array, frequency: float, damping: float) -> Arr
 def low_pass(time: Array, x: Array, time_constant: float, second: float) -> Array:
     """Return y of S y'' + T y' + y = x at ``time`` [s] (n,); ``x`` (n,).
 
-    ``time_constant`` T [s], above zero, is the delay of a slow x. ``second`` S [s^2] is not
-    negative: 0 is a lag of first order, T^2/4 two equal lags in a row, T^2/2 a Butterworth filter.
+    ``time_constant`` T [s] > 0 is the delay by which y follows a slowly changing x. ``second`` S
+    [s^2] is not negative: 0 is a lag of first order, T^2/4 two equal lags in a row, T^2/2 a
+    Butterworth filter.
     """
     q = second / time_constant**2
     root = np.sqrt(abs(1.0 - 4.0 * q))

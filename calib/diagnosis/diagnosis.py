@@ -26,7 +26,7 @@ _RANGES = {"pressure": "Pa", "speed": "m/s", "temperature": "degC", "time": "s"}
 
 @dataclass(frozen=True)
 class ParameterEstimate:
-    """Value and 95 % interval of a parameter, in ``unit``; the interval ends at its bounds."""
+    """Value of a parameter in ``unit`` and its 95 % interval, cut off at the limits of the card."""
 
     value: float
     unit: str
@@ -54,7 +54,7 @@ class Evidence:
 
 @dataclass(frozen=True)
 class RunnerUp:
-    """Names of the best fit without an effect, and its fall of the mean squared innovation [1]."""
+    """Effects of the best fit without a named one, and the fall of the mean square by them [1]."""
 
     name: str
     innovation_gain: float
@@ -89,7 +89,7 @@ class Diagnosis(Viewable):
     measured: tuple[Log, ...]
     reduced_before: float  # mean squared innovation [1]
     reduced_after: float
-    withdrawn: tuple[tuple[str, ...], ...]  # effects that fit the calibration logs alone
+    withdrawn: tuple[tuple[str, ...], ...]  # effects that do not hold on the hold-outs
     steps: tuple[tuple[str, ...], ...]  # effects that the search accepted in turn
     warnings: tuple[PlausibilityWarning, ...]  # on the logs, not explained
 

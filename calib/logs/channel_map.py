@@ -3,7 +3,7 @@
 columns of a log, channel map --assign--> for each channel its column and the conversion to SI
 """
 
-from collections.abc import Mapping as Named
+from collections import abc
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -22,7 +22,7 @@ from calib.logs.text.dialect import DETECTED, TextFormat
 
 MAP_IT = "name foreign columns in a channel map (--map); `brake-cal map` proposes one"
 
-Databases = Named[str, tuple[Path, ...]]
+Databases = abc.Mapping[str, tuple[Path, ...]]
 """Files that describe the frames of a bus (DBC, ARXML, KCD, SYM), by bus; "" stands for all."""
 
 
@@ -87,8 +87,9 @@ def assign(
     """Return the channels of the file ``where``, the names of its other columns, and notes.
 
     A channel is a column that the map names, or else a column with the name of a channel. An
-    optional channel without a known unit is left out. Raises LogError for a channel that is
-    missing, occurs twice or has no unit, ChannelMapError for a source that is not in the file.
+    optional channel that the map does not name is left out if its unit is not known. Raises
+    LogError for another channel without a known unit, and for a channel that is missing or occurs
+    twice; ChannelMapError for a source that is not in the file.
     """
     mapped = channel_map.channels if channel_map else {}
     ignore = channel_map.ignore if channel_map else ()

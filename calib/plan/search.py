@@ -1,12 +1,13 @@
-"""Search a sequence of measures, each of which narrows the half widths most for its time.
+"""Search a sequence of measures, each of which makes the torques known better most for its time.
 
-    gain = sum over front, rear, total of ln(width before / width after)
+    gain = sum over front, rear, total torque of ln(half width before / half width after)
 
 A width below the wanted one counts as the wanted one. The first measure is the ramp with the
 greatest mean gain over several cars, each with its own noise. Each next measure has the greatest
 gain per second for the mean car. A measure that gained next to nothing is not tried again, since
-gains diminish with every measure. The widths of a plan are medians over several cars, but its
-floors, the widths after every measure that can be done here, are of the mean car.
+gains diminish with every measure. The widths of a plan are medians over several cars. Its floors
+are those of the mean car: the widths after the plan and every measure that can be done here, but
+for further ramps.
 """
 
 import math
@@ -128,7 +129,11 @@ def _time_after_another(measure: Measure) -> float:
 
 
 class _Search:
-    """The greedy search: ``gains`` are of the measures tried, ``impossible`` are the others."""
+    """The greedy search.
+
+    ``gains`` are those of the measures that were tried; ``impossible`` says why a measure cannot be
+    done.
+    """
 
     def __init__(self, prior: Prior, want: Want, in_parallel: MapFunction) -> None:
         self.prior, self.want, self.in_parallel = prior, want, in_parallel
@@ -169,7 +174,7 @@ class _Search:
             for measure in measures()
             if measure not in (*chosen, *self.impossible)
             and (measure.is_whole_ramp or not is_first)
-            and self.gains.get(measure, _WORTH) >= _WORTH
+            and self.gains.get(measure, _WORTH) >= _WORTH  # not tried yet, or worth its time
             and sum(_times((*chosen, measure))) <= self.want.seconds
         ]
         sequences = [(*chosen, measure) for measure in options]

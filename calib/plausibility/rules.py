@@ -95,7 +95,7 @@ def warnings_on_log(run: Run, purpose: str) -> tuple[PlausibilityWarning, ...]:
 
 def _figures(run: Run) -> tuple[tuple[Figure, ...], tuple[Figure, ...]]:
     """Figures of the log and its motion, and those of its signals, if it has what they need."""
-    of_log = (*_OF_LOG, *_OF_MOTION) if run.moves else _OF_LOG
+    of_log = (*_OF_LOG, *_OF_MOTION) if run.has_motion_channels else _OF_LOG
     return of_log, _OF_SIGNALS if not run.missing and run.speed > MOVING else ()
 
 

@@ -1,19 +1,21 @@
 r"""Scale and offset of the accelerometer, from the reference speed v and from coasting.
 
-    z as read = (zeta + grade)/(1 - c) + bias        zeta = -(dv/dt)/g
+    z as read = (-(dv/dt)/g + grade)/(1 - c) + bias
 
     v + g int z dt = v_0 + c g int z dt + (bias + grade) g t + lag g z        where v is logged
     z on the lead-in less the known resistance = bias + drag                  always
 
 c is the error of scale, drag an unknown resistance (an engine in gear, wind), lag the time by which
-v comes after a_x. The tyres carry W (zeta + grade): they feel a grade as the accelerometer does,
-but no bias. The speed shows only the sum of bias and grade. The lead-in separates them: on a slope
-an unbraked car reads its resistance, with a bias it does not. Unknown drag looks like a bias there.
+v comes after a_x. The grade is positive downhill. The tyres carry W (grade - (dv/dt)/g): they feel
+a grade as the accelerometer does, but no bias. The speed shows only the sum of bias and grade. The
+lead-in separates them: on a slope an unbraked car reads its resistance, with a bias it does not.
+Unknown drag looks like a bias there.
 
-Bias, grade and drag are each present or absent, and so is a walk: a grade that walks at random in
-the run, with which only quick changes of z show the scale. The sixteen hypotheses are weighed by
-their evidence. `other_scale` weighs a scale that no sensor has (a wrong unit, clock or filter)
-against them. A bias that changes within the log is taken for a grade that changes.
+Bias, grade and drag are each present or absent, and so is a walk: a grade that changes at random in
+the run. Slow changes of z may then be the road, and only quick ones show the scale. The sixteen
+hypotheses are weighed by their evidence. `other_scale` weighs a scale that no sensor has (a wrong
+unit, clock or filter) against them. A bias that changes within the log is taken for a grade that
+changes.
 """
 
 import math
@@ -38,15 +40,15 @@ _PRESENT, _ABSENT = np.array([0.03, 0.05, 0.03]), np.array([0.0015, 0.002, 0.002
 road of 4 % 0.04 g, a mountain road 0.15 g, an engine in gear at 2000 rpm 0.02 to 0.05 g."""
 _ODDS = np.array([0.15, 0.3, 0.15, ODDS_ROAD[1]])  # prior chances of bias, grade, drag and walk
 _OTHER_SCALE, _ODDS_OTHER = 0.3, 3e-4
-"""Sigma of c where a unit, a clock or a filter is wrong, and how often one is: knots taken for m/s
-make 49 %, a clock of 110 Hz taken for 100 makes 10 %. A well-known c is then no sensor's from 9 %
-on, 4.6 sigma of a sensor."""
+"""Sigma of c where a unit, a clock or a filter is wrong, and how often one is: m/s taken for knots
+make 49 %, a clock of 110 Hz taken for 100 makes 10 %. So a c that v shows sharply is put down to
+one of these if it exceeds 9 %, 4.6 sigma of a sensor."""
 _ROLLING, _DRAG, _RESISTS = 0.011, 2.7e-5, 0.3
 """Resistance of a usual car over its weight: rolling [1], and by the speed squared [s^2/m^2] of
 0.66 m^2 and 1500 kg; their relative standard deviation [1]."""
 _LAG = 0.02  # sigma of the lag between v and a_x [s]; `calib.plausibility` looks for larger ones
-_SECOND = 1.0  # time over which a_x and v are averaged [s]: the noise of v is then 0.002 g
-_MULTIPLE = 4  # the number of compared blocks is a multiple of this: 0.2 s
+_AVERAGING = 1.0  # time over which a_x and v are averaged [s]: the noise of v is then 0.002 g
+_MULTIPLE = 4  # the number of compared steps is a multiple of this: of 0.2 s
 _CASES = np.array(list(product((False, True), repeat=4)))
 """Whether bias, grade, drag and a walk are present (16, 4); every second case has a walk."""
 _SENSED = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 1.0, 0.0], [0.0, 1.0, 0.0, 1.0]])
@@ -89,7 +91,7 @@ class SpeedEvidence:
     """What v shows of the accelerometer, whatever the resistance of the car."""
 
     blocks: Blocks
-    last: int  # number of blocks that are compared
+    last: int  # number of steps between blocks that are compared
     density_z: float  # noise of z [s^0.5]
     grades: tuple[_AgainstSpeed, ...]  # the evidence with a steady grade, and with a walk
 
@@ -132,12 +134,12 @@ def other_scale(b: Blocks, density_z: float, density_v: float) -> float:
     """Return the scale c [1] of a wrong unit, clock or filter; 0 if a sensor's scale is likelier.
 
     The result is 0, too, without ``v`` or a braking. The noise of z is in the integral and in the
-    factor of c, where it looks like a scale of 1, so z is averaged over `_SECOND`. A walk would
-    explain such a scale and is excluded. The resistance is that of a usual car.
+    regressor of c alike, which pulls c towards 1; so the regressor is averaged over `_AVERAGING`. A
+    walk would explain such a scale and is excluded. The resistance is that of a usual car.
     """
     if b.v is None or not np.any(np.maximum(b.p_f, b.p_r) > BITE):
         return 0.0
-    slow = centred_mean(b.z, samples_in(_SECOND, b.length))
+    slow = centred_mean(b.z, samples_in(_AVERAGING, b.length))
     evidence = speed_evidence(b, density_z, density_v, slow)
     resistance = _ROLLING + _DRAG * b.speed**2
     rolling = _on_lead_in(evidence, b.z - resistance, _RESISTS * resistance)
@@ -192,22 +194,22 @@ def _against_speed(
     rows = recursive_filter(np.concatenate([columns, start]), average)[:, :last] / sigma
     products = rows @ rows.T  # of measurement, c, e, lag, start
     likelihood = -0.5 * float(products[0, 0]) - np.count_nonzero(usable[:last]) * math.log(sigma)
-    pair, side, by_start = _without_last(products[1:, 1:], products[1:, 0], white)
+    matrix, right_side, by_start = _without_last(products[1:, 1:], products[1:, 0], white)
     precision, vector = np.zeros((3, 3)), np.zeros(3)
-    precision[:2, :2], vector[:2], by_lag = _without_last(pair, side, _LAG**2)
+    precision[:2, :2], vector[:2], by_lag = _without_last(matrix, right_side, _LAG**2)
     return _AgainstSpeed(precision, vector, likelihood + by_start + by_lag)
 
 
-def _without_last(pair: Array, side: Array, variance: float) -> tuple[Array, Array, float]:
+def _without_last(matrix: Array, right_side: Array, variance: float) -> tuple[Array, Array, float]:
     """Eliminate the last unknown, of prior ``variance``, from normal equations (n, n) and (n,).
 
     The third result is what the unknown adds to the logarithm of the likelihood.
     """
-    coupling, right = pair[:-1, -1], side[-1]
-    curvature = pair[-1, -1] + 1.0 / variance
-    reduced = pair[:-1, :-1] - np.outer(coupling, coupling) / curvature
-    added = float(0.5 * (right**2 / curvature - np.log(curvature)))
-    return reduced, side[:-1] - coupling * right / curvature, added
+    coupling, last = matrix[:-1, -1], right_side[-1]
+    curvature = matrix[-1, -1] + 1.0 / variance
+    reduced = matrix[:-1, :-1] - np.outer(coupling, coupling) / curvature
+    added = float(0.5 * (last**2 / curvature - np.log(curvature)))
+    return reduced, right_side[:-1] - coupling * last / curvature, added
 
 
 def _on_lead_in(evidence: SpeedEvidence, unexplained: Array, sigma: Array) -> tuple[float, float]:
@@ -244,8 +246,8 @@ def _mixture(
 
 
 def _disagreement(b: Blocks, scale: float, last: int) -> float:
-    """Range over the run of z, its ``scale`` corrected, less the slowing of v; means of 1 s [g]."""
-    n = max(round(_SECOND / b.length), 1)
+    """Range over the run of z, corrected for ``scale``, plus (dv/dt)/g, as means of 1 s [g]."""
+    n = max(round(_AVERAGING / b.length), 1)
     if b.v is None or last < n:
         return 0.0
     rise_of_v = (b.v[n:last] - b.v[: last - n]) / (G * n * b.length)

@@ -28,7 +28,7 @@ def run_events(log: Log) -> tuple[RunEvent, ...]:
     Brakings are the brake events of `Run`; of a lead-in with gaps the longest part counts.
     """
     run = Run(log)
-    if not run.moves:
+    if not run.has_motion_channels:
         return ()
     brakings = true_intervals(run.driving.braked)
     lead_in = true_intervals(run.rolling)

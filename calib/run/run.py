@@ -75,7 +75,7 @@ class Run:
         return tuple(q.name for q in CHANNELS.values() if q.required and q.name not in self.log)
 
     @property
-    def moves(self) -> bool:
+    def has_motion_channels(self) -> bool:
         """Whether ``a_x`` and all wheel speeds are logged, which most views need."""
         return not set(self.missing) - {"p_mc"}
 
@@ -87,7 +87,7 @@ class Run:
     @cached_property
     def sensors(self) -> tuple[Sensor, ...]:
         """The sensor of each channel but ``time``."""
-        return sensors_of(self.log, self.driving if self.moves else None)
+        return sensors_of(self.log, self.driving if self.has_motion_channels else None)
 
     def sensor(self, channel: str) -> Sensor | None:
         """Return the sensor of a channel, or None if it is not logged."""
@@ -101,12 +101,12 @@ class Run:
     @cached_property
     def events(self) -> tuple[BrakeEvent, ...]:
         """Applications of the brake, by pressure, else by deceleration."""
-        return brake_events(self.driving) if self.moves else ()
+        return brake_events(self.driving) if self.has_motion_channels else ()
 
     @cached_property
     def rolling(self) -> Mask:
         """Mask (n,) of the lead-in, unbraked rolling before the first braking; it zeroes eta."""
-        if not self.moves or self.speed < MOVING:
+        if not self.has_motion_channels or self.speed < MOVING:
             return np.zeros(self.log.time.size, bool)
         if "p_mc" in self.log:
             return self.signals.lead_in
@@ -123,24 +123,26 @@ class Run:
     @property
     def coasting(self) -> float:
         """Time of unbraked rolling [s], as in `DrivingRecord.unbraked`."""
-        return float(self.driving.unbraked.sum() * self.driving.step) if self.moves else 0.0
+        if not self.has_motion_channels:
+            return 0.0
+        return float(self.driving.unbraked.sum() * self.driving.step)
 
     @property
     def speed(self) -> float:
         """Highest speed [m/s], approximate without ``v``."""
-        return float(self.driving.speed.max()) if self.moves else 0.0
+        return float(self.driving.speed.max()) if self.has_motion_channels else 0.0
 
     @property
     def z(self) -> float:
         """Highest deceleration while the car moves [g]."""
-        if not (self.moves and self.driving.moving.any()):
+        if not (self.has_motion_channels and self.driving.moving.any()):
             return 0.0
         return float(self.driving.z[self.driving.moving].max())
 
     @cached_property
     def alone(self) -> Axle | None:
         """The axle that, by the pressures, brakes alone, or None."""
-        return braked_alone(self.log) if self.moves else None
+        return braked_alone(self.log) if self.has_motion_channels else None
 
     @cached_property
     def pressures(self) -> dict[str, PressureDelay]:
@@ -152,7 +154,7 @@ class Run:
     @cached_property
     def wheels_held(self) -> float:
         """Mean time for which a wheel speed holds a value while the car slows [s]."""
-        return wheels_held(self.log) if self.moves else 0.0
+        return wheels_held(self.log) if self.has_motion_channels else 0.0
 
     @cached_property
     def slips(self) -> dict[str, Array]:
@@ -162,17 +164,17 @@ class Run:
     @cached_property
     def slipping(self) -> Slipping | None:
         """ABS cycles and locked wheels."""
-        return slipping(self.slips, self.driving) if self.moves else None
+        return slipping(self.slips, self.driving) if self.has_motion_channels else None
 
     @cached_property
     def axles(self) -> Axles | None:
         """Front wheels against rear wheels, left against right, and all against v and a_x."""
-        return axles_of(self.log, self.driving, self.slips) if self.moves else None
+        return axles_of(self.log, self.driving, self.slips) if self.has_motion_channels else None
 
     @cached_property
     def wheels(self) -> WheelParts | None:
         """Change of the four slips by braking; None also without rolling or braking."""
-        return wheel_parts(self.log, self.driving) if self.moves else None
+        return wheel_parts(self.log, self.driving) if self.has_motion_channels else None
 
     # --- the car, its known effects taken out -----------------------------------------------------
 

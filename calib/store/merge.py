@@ -29,7 +29,8 @@ _MINIMUM, _SUM = ("deceleration_max", "eta_peak_is_real"), ("runs", "outliers")
 """Metrics of a fit of which a mean table has the minimum or the sum; of others it has the mean."""
 
 _CAR_MARKS = ("serial", "vin")  # identifiers of one car
-_LEAST_RANGE = 0.5  # least range of eta over the longest [1]: the mean ends with the shortest
+_LEAST_RANGE = 0.5
+"""Least range of eta of a car over the longest one [1]: the mean ends where the shortest does."""
 _SHARED_REMARK = (
     "what all cars share is in the mean as it is in each of them: mass, geometry and brakes of the "
     "vehicle file, the surface of the track, sensors that are wrong in one way, the method; its "

@@ -56,7 +56,7 @@ class Snapshot:
 
     @property
     def names(self) -> list[str]:
-        """Names of the tables. Raises TableNotFound without a store, DamagedTable."""
+        """Names of the tables. Raises TableNotFound, and DamagedTable if the journal is missing."""
         if not self.folder.is_dir():
             do = "`brake-cal fit` makes one, --store names another"
             raise TableNotFound("no table store here", where=self.folder, do=do)
@@ -88,7 +88,8 @@ class Snapshot:
     def find(self, reference: str, released: bool) -> Stored:
         """Read the version of a reference: a path, ``name@version`` or ``name``.
 
-        A bare ``name`` is read as in `Store.load`; if ``released``, as in `Store.released`.
+        A bare ``name`` means its newest version that is released or a draft, with ``released`` its
+        newest released one.
         """
         path = path_of(reference)
         if path is not None:
@@ -99,8 +100,8 @@ class Snapshot:
         states = {v: self.journal.word(name, v) for v in self.journal.versions(name)}
         allowed = (RELEASED,) if released else (RELEASED, DRAFT)
         usable = [version for version, word in states.items() if word in allowed]
-        if usable:
-            return self.load(name, max(usable))
+        if usable or not states:  # a name without versions in the journal has strays, refused here
+            return self.load(name, max(usable or versions_in(self.folder / name)))
         kind, do = "usable", f"name the one that you mean, such as {name}@{max(states)}"
         if released:
             kind, do = "released", f"release one: `brake-cal tables release {name}@N --reason ...`"

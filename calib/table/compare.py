@@ -43,8 +43,9 @@ class _Curve(Map):
 class _CurveGap:
     """Difference b - a of a ``curve`` or a column of a map, where the axes overlap [1].
 
-    ``in_bands`` is the magnitude over the combined half width of both 95 % bands that 95 % of the
-    cells do not exceed. Cells of a map have the weight of their share of the stops.
+    In each cell |b - a| is taken over the combined half width of both bands. ``in_bands`` is the
+    value that 95 % of the cells do not exceed. Cells of a pad map have the weight of their share of
+    the stops.
     """
 
     curve: str
@@ -129,7 +130,7 @@ def _gap(name: str, column: str, a: Map, b: Map) -> _CurveGap | None:
     """Return the gap of a column; None if the axes of ``a`` and ``b`` do not overlap."""
     axes = []
     for x, y in zip(a.axes.values(), b.axes.values(), strict=True):
-        # both maps are linear between the values of both axes, so the largest gap is at a value
+        # both maps are linear between these points, so the gap is largest at one of them
         values = np.union1d(x, y)
         axes.append(values[(values >= max(x[0], y[0])) & (values <= min(x[-1], y[-1]))])
     if not all(axis.size for axis in axes):

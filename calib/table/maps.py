@@ -65,7 +65,8 @@ class Map:
 
     def on(self, axes: Sequence[Array]) -> Self:
         """Return the map interpolated to other axes, in the order of `AXES`."""
-        return self.from_grids(axes, **self(*np.meshgrid(*axes, indexing="ij")))
+        columns = self(*np.meshgrid(*axes, indexing="ij"))
+        return self.from_grids(axes, **columns)
 
     def __call__(self, *points: ArrayLike) -> dict[str, Array]:
         """Return the columns by name at ``points``, one array for each axis of `AXES`."""
@@ -75,7 +76,8 @@ class Map:
 class Reader:
     """Interpolates columns of a map, linearly in each cell.
 
-    ``columns`` are names of c columns, or r rows of c names. Then (c, ...) below is (r, c, ...).
+    ``columns`` are c names, or r rows of c names. The result has the shape of ``columns``, (c,) or
+    (r, c), and after it that of the points.
     """
 
     def __init__(self, m: Map, columns: Sequence[str] | Sequence[Sequence[str]]) -> None:
@@ -90,7 +92,7 @@ class Reader:
         return points[end] - points[end - 1]
 
     def __call__(self, *points: ArrayLike) -> Array:
-        """Return the columns at ``points``, one array (...) for each axis; shape (c, ...)."""
+        """Return the columns at ``points``, one array (...) for each axis."""
         coordinates = np.broadcast_arrays(*points)
         shape = coordinates[0].shape
         # each corner of the cell around a point: its row in the map, and its weight
@@ -114,14 +116,14 @@ class Reader:
 class PadMap(Map):
     """ln of the pads' ratio given z, eta and slip: medians with 95 % bounds. Shapes (n,), all [1].
 
-    The axis ``z`` is the brake force over the weight, by the zeroed deceleration.
+    The axis ``z`` is the brake force over the weight, computed from the zeroed deceleration.
     """
 
     AXES: ClassVar[tuple[str, ...]] = ("z", "shift", "slip")
 
     shift: Array  # (eta - 1)/z
     slip: Array  # ln(slip/z) less `log_slip`, over `log_slip_sigma`
-    ratio: Array  # ln of front over rear brake force, relative to the file's pads at one pressure
+    ratio: Array  # ln of front over rear brake force, over that of the file's pads at one pressure
     ratio_lower: Array
     ratio_upper: Array
     change: Array  # ln of front over rear pad friction, relative to the ramp

@@ -227,7 +227,7 @@ def reading() -> list[str]:
     return [
         f"f1(eta), f2(eta)            {f1}, {f2}",
         f"level[z]                    {bounded(level)}",
-        f"ratio[z, (eta - 1)/z, 0]    {bounded(ratio)}, {100.0 * prior:.0f} % of it prior",
+        f"ratio[z, (eta - 1)/z, 0]    {bounded(ratio)}, as wide as {prior:.2f} of the prior",
     ]
 
 

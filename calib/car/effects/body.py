@@ -34,19 +34,25 @@ def _drag(parameters: Parameters, v: Array) -> Array:
 
 
 def _drag_height(vehicle: Vehicle, parameters: Parameters, history: RunHistory) -> Array:
-    """(1 - s) F h/(W L) [1], the load transfer that (6) has too much, over W; s: ``load_share``."""
+    """Load transfer over W [1] that (6) overstates, since the drag acts above the road.
+
+    It is (1 - s) F h/(W L), where s is the ``load_share``.
+    """
     share = parameters.get("load_share", 1.0)
     transfer_per_force = vehicle.cg_height / (vehicle.weight * vehicle.wheelbase)  # h/(W L) [1/N]
     return (1.0 - share) * transfer_per_force * _drag(parameters, history.v)
 
 
 def _grade(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Array:
-    """W times the grade [N], constant over the run; right to 0.5 % up to a grade of 10 %."""
+    """W times the grade [N], constant over the run; the grade is the sine of the slope."""
     return np.full_like(motion.v, vehicle.weight * parameters["grade"])
 
 
 def _on_grade(vehicle: Vehicle, parameters: Parameters, history: RunHistory, a_x: Array) -> Array:
-    """Reading of a_x on a grade; a real sensor feels gravity (``felt`` = 1), dv/dt does not (0)."""
+    """Reading of a_x on a grade.
+
+    A sensor feels gravity (``felt`` = 1); an a_x that was made of a speed does not (``felt`` = 0).
+    """
     return a_x + parameters["felt"] * G * parameters["grade"]
 
 

@@ -1,10 +1,14 @@
 """An effect: a card that describes it, and functions that add it to the computation of a braking.
 
-Such a function is a hook, and acts on one link of this chain of computation:
+Such a function is a hook, and acts on one link of this chain of computation; the upper line has the
+links, the lower one what they act on:
 
-    p_mc -> pressure -> friction -> wheels -> + axle_moment -> tyre -> + body_force -> accelerometer
-            caliper     pads        L, R      inertia          radius  load_shift      a_x as read
-                                                               load    mass            wheels, v
+    p_mc -> pressure -> friction -> wheels -> axle_moment -> tyre -> body_force -> accelerometer
+            caliper     pads        left,     wheels         slip    car           a_x as read
+                                    right
+
+Further hooks change numbers of the car (``inertia``, ``radius``, ``mass``, ``load_shift``) and what
+is read of wheels and v (``wheel_speed``, ``wheel_speed_delay``, ``speed_delay``).
 
 The values of the parameters are in `calib.car.effects.effects.Effects`.
 """
@@ -65,7 +69,7 @@ class Card:
     source: str
     looks_like: str
     parameters: tuple[Parameter, ...]  # first the strength of the effect
-    neutral: float = 0.0  # strength without an effect, for any value of the other parameters
+    neutral: float = 0.0  # strength at which nothing changes, whatever the other parameters are
     not_sensed: str = ""  # the signal that an ECU lacks to take the effect out
 
     def __post_init__(self) -> None:
@@ -79,7 +83,8 @@ class Card:
             strength = self.parameters[0]
             is_possible = strength.low <= self.neutral <= strength.high
             if not is_possible or strength.typical == self.neutral:
-                raise ValueError(f"neutral {self.neutral:g}: no strength, or the typical one")
+                limits = f"{strength.low:g} to {strength.high:g}"
+                raise ValueError(f"neutral {self.neutral:g}: not in {limits}, or typical")
 
 
 @dataclass(frozen=True)
@@ -96,7 +101,7 @@ class Effect:
     axle_moment : moment on the wheels besides the brake [N m per axle], positive when it slows.
     inertia : inertia that is added to one wheel, front and rear [kg m^2].
     radius : factors on the front and the rear rolling radius [1].
-    load_shift : load over W [1] that the front axle lacks against (6) and the rear axle has more.
+    load_shift : load over W [1] to take from the front axle of (6) and to add to the rear one.
     body_force : force on the body [N], positive when it slows.
     wheel_speed : factors [1] by wheel on wheel speeds as read; no force changes.
     mass : factor on the mass [1].

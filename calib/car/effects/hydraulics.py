@@ -6,23 +6,24 @@ pressure that presses the pads.
 Hysteresis comes from the friction of seals and pins: c lies between a line of loading and a line of
 release, and stays constant between them, at any rate of the pressure p.
 
-    c ^            .-------.        loading    c = p - r, not below zero
-      |          .'      .'         release    c = p/(1 - u) + r
-      |        .'      .'
-      |      .'      .'             u = (1 - s) w     share s of the loop's width w is fixed,
-      |    .'      .'               r = s w p_0/2     the rest grows with the pressure
-      |    |     .'
-      +----'-----'--------> p
+    c ^      release .---------.  loading     loading    c = p - r, not below zero
+      |            .'        .'               release    c = p/(1 - u) + r
+      |          .'        .'
+      |        .'        .'                   u = (1 - s) w     share s of the loop's width w is
+      |      .'        .'                     r = s w p_0/2     fixed, the rest grows with p
+    r |    .'        .'
+      +-----------.'--------> p
+                  r
 
 Because of r, the pads bite late, and c = r remains when the pedal is free. With L = p - r and
 U = p/(1 - u) + r at each sample k: c[k] = max(L[k], min(U[k], c[k-1])).
 
 Residual torque comes from pads that do not move back after the first release. They keep at most the
-pressure r, which falls with the time constant of draining.
+residual pressure q, which falls with the time constant of draining.
 
     c ^      .------.
       |    .'        '.
-    r |  .'            '--...___
+    q |  .'            '--...___
       +-'------------------------> t
 """
 
@@ -35,7 +36,7 @@ from calib.car.effects.effect import Pair, Parameters, effect
 from calib.car.history import RunHistory
 from calib.car.lag import low_pass, second_order
 
-_REFERENCE = 20e5  # p_0 of a usual stop [Pa]; the width w is that of the loop at p_0, over p_0
+_REFERENCE = 20e5  # p_0 of a usual stop [Pa]; w is the width of the loop in p at p_0, over p_0
 
 _MAX_NOISE_BAND = 0.25e5
 """Largest assumed noise of a constant pressure [Pa]: three standard deviations of a noisy sensor
@@ -109,10 +110,10 @@ def _above(p: Array, threshold: float) -> Array:
 
 
 def _hysteresis(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
-    """Clamping pressures with hysteresis, at first on the line of loading; equal on both axles.
+    """Clamping pressures with hysteresis, at first on the line of loading.
 
-    ``fixed_share`` s is by default 0. A negative pressure (sensor noise) has no hysteresis. Not
-    valid for a caliper whose seals pull the pads back.
+    Both axles have the same ``width`` w and ``fixed_share`` s, by default 0. A negative pressure
+    (sensor noise) has no hysteresis. Not valid for a caliper whose seals pull the pads back.
     """
     width, share = parameters["width"], parameters.get("fixed_share", 0.0)
     u, r = (1.0 - share) * width, 0.5 * share * width * _REFERENCE
@@ -124,8 +125,10 @@ def _denoised_loop(p: Array, relative: float, half: float) -> Array:
     """`hysteresis_loop`, where changes of ``p`` within the band of its noise do not count.
 
     Otherwise noise would raise c step by step at a constant pressure. The result is exact without
-    noise; with noise, c between the lines of the loop is low by at most twice the band.
+    noise. With noise, a c that is constant is too low by at most twice the band, since a peak
+    counts one band less.
     """
+    # of third differences: sqrt(20) times the noise if it is white, less if p was smoothed
     sigma = np.median(np.abs(np.diff(p, 3))) / QUARTILE if p.size > 3 else 0.0
     band = min(3.0 * float(sigma), _MAX_NOISE_BAND)
     steady = _play(p - band, p + band, p[0])
@@ -156,7 +159,7 @@ def _play(lowest: Array, highest: Array, first: float) -> Array:
 
 
 def _residual(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
-    """Clamping pressures that after a braking above `BITE` fall to the residual pressure first.
+    """Clamping pressures with the residual pressure that a braking above `BITE` leaves.
 
     ``rear_bias`` is 0 if both axles keep the residual pressure, 1 if only the rear axle does, -1 if
     only the front axle does. Not valid for pads that are knocked back by the disc.
@@ -170,10 +173,10 @@ def _residual(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Arra
 
 
 def residual_clamp(time: Array, p: Array, limit: float, drain: float) -> Array:
-    """Clamping pressure max(p, r) [Pa] (n,) with the residual pressure r.
+    """Clamping pressure max(p, q) [Pa] (n,) with the residual pressure q.
 
-    While the brake is applied, r is at least min(p, ``limit``); else r' = -r/``drain``. ``time``
-    [s], ``p`` [Pa] (n,); ``limit`` [Pa], ``drain`` [s]. So r exp(t/drain) is a running maximum; the
+    While the brake is applied, q is at least min(p, ``limit``); else q' = -q/``drain``. ``time``
+    [s], ``p`` [Pa] (n,); ``limit`` [Pa], ``drain`` [s]. So q exp(t/drain) is a running maximum; the
     logarithm is used because it does not overflow.
     """
     applied = np.where(p > BITE, np.minimum(p, limit), 0.0)

@@ -41,17 +41,18 @@ _SCALE = np.array([1.0 if row["scale"] == "log" else float(row["scale"]) for row
 DISCREPANCY_FORCES = np.linspace(0.05, 1.0, 8)  # normalised forces of the discrepancy's values [1]
 _DISCREPANCY = 0.06  # standard deviation of the discrepancy [1]
 DISCREPANCY_LIMIT = 5.0 * _DISCREPANCY
-"""Largest discrepancy [1], as far as tyres of any make go: without a limit, soft tyres whose slip
-departs by all of it imitate a late brake by the lag of their wheels."""
+"""Largest discrepancy [1], as far as tyres of any make go. Without a limit, tyres with far too much
+slip, whose wheels lag, could explain a brake that acts late."""
 _REACH = 0.25  # difference of force over which the discrepancy is correlated [1]
-_ALIKE = 0.7  # correlation of front and rear tyres [1]
+_CORRELATION_OF_AXLES = 0.7  # of the discrepancies of front and rear tyres [1]
 
 
 def _discrepancy_precision() -> Array:
     """Precision (2 k, 2 k) of the discrepancies of both axles: a Gaussian process of the force."""
     distances = DISCREPANCY_FORCES[:, None] - DISCREPANCY_FORCES
+    # correlations between forces (k, k), with a small part of each force alone, and between axles
     forces = np.exp(-0.5 * (distances / _REACH) ** 2) + 0.01 * np.eye(DISCREPANCY_FORCES.size)
-    axles = [[1.0, _ALIKE], [_ALIKE, 1.0]]
+    axles = [[1.0, _CORRELATION_OF_AXLES], [_CORRELATION_OF_AXLES, 1.0]]
     return np.asarray(np.linalg.inv(np.kron(axles, _DISCREPANCY**2 * forces)))
 
 
@@ -115,6 +116,10 @@ def base_sigma(sample_time: float) -> Array:
 
 
 def random_sigmas(groups: Iterable[str], alike: Iterable[str] = ()) -> Array:
-    """Standard deviations (8,) if logs differ in these ``groups`` and are ``alike`` in others."""
+    """Standard deviations (8,) of the random effects.
+
+    Logs differ in ``groups``, are the same in the groups ``alike``, and differ as usual in the
+    rest; a group that is in both differs.
+    """
     usual = np.where(np.isin(_GROUP_OF, list(alike)), _ALIKE_SIGMA, _USUAL_SIGMA)
     return np.where(np.isin(_GROUP_OF, list(groups)), _OTHER_SIGMA, usual)

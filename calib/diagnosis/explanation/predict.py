@@ -43,15 +43,15 @@ _PASSES_OF_TERM = 8
 """Passes if an empirical term depends on the deceleration: each leaves up to a quarter of the
 error. The first pass takes the measured deceleration, so after few passes such a term would predict
 a_x from the noise of a_x."""
-_EDGE = 0.985  # share of the tyre's peak up to which slip follows from force; beyond it is held
+_EDGE = 0.985  # share of the tyre's peak up to which slip follows from force; then it is constant
 
 
 @dataclass(frozen=True, kw_only=True)
 class ObservedRun(RunHistory):
     """A log on the grid: means over its steps, shapes (n,), SI.
 
-    Of a `RunHistory`, ``v`` is smoothed, for forces, ``z`` is measured, temperatures are smoothed,
-    energies are zero, and ``source`` is the name of the log.
+    Of the fields of `RunHistory`, ``v`` and temperatures are smoothed, ``z`` is measured, energies
+    are zero, and ``source`` is the name of the log.
     """
 
     step: float  # of the grid
@@ -77,7 +77,7 @@ class ObservedRun(RunHistory):
 
 @dataclass(frozen=True)
 class RunLag:
-    """Lag of the wheels of a run, kept for other predictions: it takes a third of their time."""
+    """Lag of the wheels of a run, kept for further predictions: it takes a third of the time."""
 
     car: Vehicle  # without effects
     tyre: MagicFormula  # on the road of the log
@@ -142,8 +142,8 @@ def predict(
     """Predict the readings of a run; ``run_lag`` is used if it is that of the same car and tyre.
 
     The deceleration acts on the tyre forces through the inertia of the wheels alone, so each pass
-    leaves 3 % of its error. If the second pass finds the torques of the first, these depend on
-    neither deceleration nor heat, and the second pass is the last one.
+    leaves 3 % of the error of z. If the second pass gives the same torques as the first, they
+    depend on neither z nor heat, and no third pass is needed.
 
     Quantities of the wheels are (s, 2, n), by side and axle; s is 1 where both sides are alike.
     """
@@ -194,12 +194,12 @@ def predict(
 
 
 def _lag_of(car: Vehicle, tyre: MagicFormula, run: ObservedRun) -> RunLag:
-    """Lag of the wheels of a run, with the tyre slopes as if both axles had the force z."""
-    load = np.array(axle_loads(car, run.z))
-    _, slope, _ = tyre.slip_at_force(run.z, 2.0 * load / car.weight, _EDGE)
+    """Lag of the wheels of a run, with tyre slopes at a normalised force of z on both axles."""
+    axle_load = np.array(axle_loads(car, run.z))  # (2, n)
+    _, slope, _ = tyre.slip_at_force(run.z, 2.0 * axle_load / car.weight, _EDGE)
     axles = (car.front, car.rear)
     rim_mass = np.array([[axle.wheel_inertia / axle.rolling_radius**2] for axle in axles])  # [kg]
-    tau = rim_mass * run.v / (0.5 * load * slope)
+    tau = rim_mass * run.v / (0.5 * axle_load * slope)  # of a wheel, which has half the load
     return RunLag(car, tyre, WheelLag.from_tau(tau, tyre.relaxation, run.v, run.step))
 
 

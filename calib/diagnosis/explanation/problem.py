@@ -27,11 +27,11 @@ from calib.diagnosis.explanation.channels import (
 )
 from calib.diagnosis.explanation.predict import ObservedRun, predict
 
-_COASTING = 1e5  # weight of a ripple without torque, as a pressure [Pa]: less than a braked one
+_COASTING = 1e5  # pressure at which a torque ripple counts as one of the tone ring [Pa]
 _MARGIN = 8  # samples before the brake first bites that do not count as unbraked
 
 Tell = Callable[[str, int, int], None]
-"""Function called at each step, with the stage in words, the number of steps done, and of all."""
+"""Function called at each step: the stage in words, the steps done, the number of all steps."""
 
 
 def silent(stage: str, step: int, total: int) -> None:
@@ -74,7 +74,7 @@ class Problem:
 def problem_of(
     vehicle: Vehicle, runs: Sequence[ObservedRun], tell: Tell = silent, mapped: MapFunction = map
 ) -> Problem:
-    """Build a problem with the noise of the unbraked parts, where no base parameter acts."""
+    """Build a problem with the noise of the unbraked parts, where base parameters hardly act."""
     noise = unbraked_noise(vehicle, base_of(vehicle, np.zeros(BASE_SIZE)), vehicle.effects, runs)
     return Problem(vehicle, with_ripple_phase(vehicle, runs, noise), noise, tell, mapped)
 
@@ -82,7 +82,7 @@ def problem_of(
 def with_ripple_phase(
     vehicle: Vehicle, runs: Sequence[ObservedRun], noise: ChannelNoise
 ) -> tuple[ObservedRun, ...]:
-    """Return the runs with wheel angles whose zero is given by the phase of the ripple of each run.
+    """Return the runs with front wheel angles such that the front torque ripples as sin(angle).
 
     Where the front torque is high, the car and its front wheels slow, so a_x and front less rear go
     with -sin(angle). The ripple of a tone ring shows without torque, too, in front less rear alone:

@@ -7,9 +7,9 @@
 
 u is the force at which the wheel is in balance, sigma the relaxation length, s' the slip of the
 contact patch, K the slope of the tyre curve at that slip. The wheel swings at
-R sqrt(F_z K/(J sigma)), 20 to 40 Hz, the less damped the slower the car; without a relaxation
-length it follows with the time constant tau of 2 to 10 ms. Source: Pacejka, Tyre and Vehicle
-Dynamics, 3rd ed., ch. 7 and 8.
+R sqrt(F_z K/(J sigma))/(2 pi), 20 to 40 Hz, the less damped the slower the car. Without a
+relaxation length it follows with the time constant tau of 2 to 10 ms. Source: Pacejka, Tyre and
+Vehicle Dynamics, 3rd ed., ch. 7 and 8.
 """
 
 from dataclasses import dataclass
@@ -34,7 +34,7 @@ class WheelLag:
 
     relaxation_time: Array  # sigma/v [s] (n,)
     step: float  # h [s]
-    band: Array  # lower triangle (4, 2 k n) of the recursion over F and h F' in turn
+    banded: Array  # recursion in lower banded storage (4, 2 k n); unknowns F, h F' by sample
     taps: Array  # what each of the last three inputs adds to F and to h F', (2, 3, k, n - 1)
 
     @classmethod
@@ -44,14 +44,15 @@ class WheelLag:
         tau_steps = np.maximum(time_constant, _LEAST)[:, 1:] / step
         relaxation_steps = relaxation_time[1:] / step
         free = _free_motion(tau_steps, relaxation_steps)
-        band = np.zeros((*time_constant.shape, 2, 4))
-        for j in range(2):  # from F, and from h F'
-            band[:, :-1, j, 2 - j : 4 - j] = -np.moveaxis(free[:, j], 0, -1)
+        banded = np.zeros((*time_constant.shape, 2, 4))
+        # column F of a sample acts 2 and 3 rows below, on the next F and h F'; column h F' 1 and 2
+        for j in range(2):
+            banded[:, :-1, j, 2 - j : 4 - j] = -np.moveaxis(free[:, j], 0, -1)
         taps = _taps(tau_steps, relaxation_steps, free)
-        return cls(relaxation_time, step, band.reshape(-1, 4).T, taps)
+        return cls(relaxation_time, step, banded.reshape(-1, 4).T, taps)
 
     def follow(self, balance: Array) -> tuple[Array, Array]:
-        """Force [N] and rate [N/s] for the forces ``balance`` u [N], from rest; (..., k, n)."""
+        """Force [N] and rate [N/s] for ``balance`` u [N], from steady state; (..., k, n)."""
         from scipy.linalg.lapack import dtbtrs
 
         u, u_next = balance[..., :-1], balance[..., 1:]
@@ -60,8 +61,8 @@ class WheelLag:
         right[..., 0, 0] = balance[..., 0]
         for row, (previous, middle, following) in enumerate(self.taps):
             right[..., 1:, row] = previous * u_previous + middle * u + following * u_next
-        columns = right.reshape(-1, self.band.shape[1]).T
-        out = dtbtrs(self.band, columns, uplo="L", diag="U", overwrite_b=1)[0].T
+        columns = right.reshape(-1, self.banded.shape[1]).T
+        out = dtbtrs(self.banded, columns, uplo="L", diag="U", overwrite_b=1)[0].T
         force, rate = np.moveaxis(out.reshape(right.shape), -1, 0)
         return force.copy(), rate / self.step
 
@@ -80,12 +81,13 @@ def _free_motion(tau: Array, relaxation: Array) -> Array:
 
 
 def _taps(tau: Array, relaxation: Array, free: Array) -> Array:
-    """What an input of 1 before, at the begin and at the end of a step adds to F and F'.
+    """What an input of 1 adds to F and F' at the end of a step; times in steps.
 
-    Times are in steps. For the parabola u = level + slope t + bend t^2/2 the motion settles to
+    The input is 1 a step before the begin, at the begin, or at the end, and else 0. For the
+    parabola u = level + slope t + bend t^2/2 the motion settles to
     u - tau u' + tau (tau - relaxation) u''; until then the free motion is added.
     """
-    # level, slope and bend of the parabolas through 1, 0, 0; through 0, 1, 0; through 0, 0, 1
+    # rows: level, slope and bend; columns: the parabolas through 1, 0, 0; 0, 1, 0; and 0, 0, 1
     parabolas = np.array([[0.0, 1.0, 0.0], [-0.5, 0.0, 0.5], [1.0, -2.0, 1.0]])
     level, slope, bend = parabolas[:, :, None, None]
     force, rate = level - tau * slope + tau * (tau - relaxation) * bend, slope - tau * bend

@@ -3,7 +3,7 @@
 scan ──> complete files ──> workers ──> journal, on the disk ──> on_row
 
 The folder is scanned again when all complete files are processed, every second if there are none.
-results.parquet is written when no complete file is left, and every 30 s while logs arrive.
+results.parquet is written after a scan: when no complete file is left, or after 30 s.
 """
 
 import math

@@ -6,10 +6,12 @@ The scatter of the gauge is compared with the differences of the cars (%GRR, ndc
 tolerance of a metric if it is known; see `calib.line.gauge.gauge_rr`. A file has both limits and
 tolerances:
 
+    schema = 1
+
     [limits]
-    grr = { max = 0.3 }                           %GRR of every metric, as a share
-    pad_scale = { min = 0.8, max = 1.2 }          the tolerance of a metric
-    grr_of_tolerance = { max = 0.2 }              %GRR of every tolerance
+    grr = { max = 0.3 }                           # %GRR of every metric, as a share
+    pad_scale = { min = 0.8, max = 1.2 }          # the tolerance of a metric
+    grr_of_tolerance = { max = 0.2 }              # %GRR of every tolerance
 """
 
 from collections.abc import Iterable
@@ -114,8 +116,8 @@ class GaugeStudy:
 def metrics_of(table: Table, log: Log) -> dict[str, float]:
     """Return the metrics of the ramp ``log`` from its ``table``.
 
-    The curves need no metrics: with the slip stiffness K, D is about K (eta - 1), and it gives f1
-    and f2.
+    The curves need no metrics of their own: D is about K (eta - 1), with the slip stiffness K, and
+    f1 and f2 follow from D.
     """
     s, pads = signals(log, table.vehicle.rear.rolling_radius), table.calibration
     omega_f, omega_r = (np.mean(omega[s.lead_in]) for omega in (s.omega_f, s.omega_r))

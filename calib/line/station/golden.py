@@ -1,16 +1,17 @@
 """Distance of a car's table from the golden table of its model, in D(eta), pads and tyres.
 
 A golden table is the released table of a good car, or the mean of several good cars. It must be of
-the same track: D is about K (eta - 1), and the slip stiffness K depends on the road. D is
-compared up to the end of the shorter curve.
+the same track: D is about K (eta - 1), and the slip stiffness K depends on the road. D is compared
+up to the end of the shorter curve.
 
 The mean of several cars gives the distance also in sigma of these cars:
 
     t = (car - mean)/sqrt(between^2 + error of the mean^2 + error of one run of the car^2)
 
-t has Student's distribution with one degree of freedom less than the golden table has cars. The
-metric is the normal deviate of the same p: beyond 3 sigma is one good car in 370. Errors that car
-and golden cars share (vehicle file, track, method) cancel, unless one log has v and another not.
+t has Student's distribution with one degree of freedom less than the golden table has cars. Each
+`golden_sigma` is the normal deviate of the same probability: beyond 3 is one good car in 370.
+Errors that car and golden cars share (vehicle file, track, method) cancel, unless one log has v and
+another not.
 """
 
 import math

@@ -77,7 +77,7 @@ def _asc(lines: Iterable[str], text: _Text) -> Iterator[str]:
 _FORMATS = {
     ".asc": (
         "ASCReader",
-        re.compile(
+        re.compile(  # python-can reads no frame whose length has two digits, as in "Rx d 16"
             r"\s*\d+\.\d+\s+(\d+\s+(\w+\s+(Tx|Rx)\b(?!\s+d\s+\w{2,}\s)|ErrorFrame)"
             r"|CANFD\s+\d+\s+(Tx|Rx)\b)",
             re.IGNORECASE,
@@ -92,7 +92,8 @@ _FORMATS = {
         ),
     ),
 }
-"""By file ending: the class of python-can that reads it, and the begin of a line with a frame."""
+"""By file ending: the class of python-can that reads it, and a pattern that matches the beginning
+of a line that holds a frame."""
 TEXT_LOGS = tuple(_FORMATS)  # file name endings of the text logs of a bus
 _VERSION = re.compile(r";\$FILEVERSION=\s*(\S+)")
 _HEAD = 4096  # characters of a TRC log in which its version stands
@@ -120,7 +121,7 @@ def open_text_log(path: Path, dbc: Databases) -> Recording:
             messages = _whole_frames(getattr(can, reader)(lines), ending, path)
             capture = captured(messages, database, str(path))
     except LogError:
-        if text.frames:
+        if text.frames:  # a last line that is cut off explains the error better
             _require_line_end(text, ending)
         raise
     _require_line_end(text, ending)
@@ -154,7 +155,7 @@ def _whole_frames(
 
     for message in messages:
         length = min(message.dlc, 8)  # codes 9 to 15 stand for 8 bytes, too (ISO 11898-1)
-        if message.is_fd:  # python-can gives the code of the length for TRC, and else the length
+        if message.is_fd:  # from TRC python-can reads the code of the length, else the length
             length = dlc2len(message.dlc) if ending == ".trc" else message.dlc
         if not message.is_remote_frame and len(message.data) < length:
             flaw = f"a frame at {message.timestamp:.6f} s has {len(message.data)} of {length} bytes"

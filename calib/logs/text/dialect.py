@@ -9,9 +9,10 @@
 
 0.000,0.1,108.2                 the first of several rows with numbers
 
-Each separator is tried on the header and on rows from the beginning, the middle and the end. If not
-exactly one fits, the error lists them and shows the entries of a channel map that decide:
-``separator`` and ``decimal`` of [text].
+Each separator is tried on the header and on rows from the beginning, the middle and the end. Of
+those that fit the one with the most columns of numbers is taken. If another one fits a table that
+begins in the same row, the error lists both and shows the entry of a channel map that decides:
+``separator`` of [text]; ``decimal`` decides on the decimal mark.
 """
 
 import csv
@@ -105,6 +106,7 @@ def decimal_of(rows: Sequence[Sequence[str]], separator: str, where: str) -> str
         return "."
     if len(marks) == 1:
         may_be_thousands = all(map(_THOUSANDS.fullmatch, numbers[marks[0]]))
+        # programs that separate cells by commas do not write "1.234" for a thousand
         if separator == "," or not may_be_thousands:
             return marks[0]
     examples = ", ".join(repr(Counter(numbers[mark]).most_common(1)[0][0]) for mark in marks)
@@ -216,7 +218,7 @@ def _layout(
             break
     first = samples[0] if samples else len(table)
     # if each row ends with a separator, the last column is empty, and the header may lack it
-    ends_with_separator = sum(map(bool, columns[-1])) <= 1
+    ends_with_separator = sum(map(bool, columns[-1])) <= 1  # the sample may hold the header
     header = _header(table, first, (width, width - 1) if ends_with_separator else (width,))
     if not header:
         return None
