@@ -224,6 +224,9 @@ def test_a_version_that_the_journal_does_not_know_is_refused(three):
     with pytest.raises(DamagedTable):
         three.load("sedan@3")
     assert [v.id for v in three.verify() if not v.sound] == ["sedan@3"]
+    shutil.copytree(three.folder / "sedan", three.folder / "van")
+    with pytest.raises(DamagedTable):
+        three.load("van")
 
 
 def forged(line, **changes):
