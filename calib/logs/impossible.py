@@ -56,7 +56,7 @@ _POSSIBLE = {
 _QUICK = 0.05  # longest step [s] in which a wheel changes its speed, and the car does not
 _NOISE_SIGMAS = 10.0  # a jump by this many standard deviations of the noise is possible [1]
 _JUMP = 2.0  # a jump up to this [SI] is possible: a lost pulse of 48 for a turn makes 2 rad/s
-_FEW = 0.02  # largest share of marked samples [1]; a log with more of them is refused
+FEW = 0.02  # largest share of impossible samples [1]; a log with more of them is refused
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ def without_impossible(
     """Replace impossible samples by NaN, or by a bridge where `calib.logs.gaps` allows one.
 
     Return the channels, the marked samples and the bridged gaps. ``channels`` [SI] (n,) stay as
-    they are if the times do not ascend. Raises LogError if more than `_FEW` of the samples of a
+    they are if the times do not ascend. Raises LogError if more than `FEW` of the samples of a
     required channel are marked.
     """
     time, values = channels["time"], dict(channels)
@@ -104,7 +104,7 @@ def without_impossible(
     filled, _, bridged = fill_rows({m.channel: values[m.channel] for m in marked}, time)
     inner = (time > time[0] + ENDS) & (time < time[-1] - ENDS)  # the ends may lack values
     for m in marked:
-        are_many = np.count_nonzero(masks[m.channel] & inner) > max(_FEW * time.size, 1.0)
+        are_many = np.count_nonzero(masks[m.channel] & inner) > max(FEW * time.size, 1.0)
         if are_many and CHANNELS[m.channel].required:
             raise LogError(
                 f"{m}, beside values that are far away: no car drives {m.count} of the "
@@ -118,7 +118,7 @@ def without_impossible(
 
 def _impossible(time: Array, x: Array, possible: _Possible) -> Mask:
     mask = np.isfinite(x) & (np.abs(x) > possible.largest)
-    if np.count_nonzero(mask) > _FEW * x.size:  # a wrong unit, which `calib.run` reports
+    if np.count_nonzero(mask) > FEW * x.size:  # a wrong unit, which `calib.run` reports
         return np.zeros(x.size, np.bool_)
     present = np.flatnonzero(np.isfinite(x) & ~mask)
     if present.size > 2:

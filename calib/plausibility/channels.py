@@ -12,6 +12,7 @@ from calib.base.names import AXLES, WHEEL_SPEEDS
 from calib.base.units import from_si
 from calib.base.warning import Measured, bounds_of
 from calib.car.braking import MOVING
+from calib.logs.impossible import FEW
 from calib.plausibility.evidence import Evidence
 from calib.run.axle_signals import held_time
 from calib.run.copies import copied_pairs, shares_of_speed
@@ -59,7 +60,9 @@ def sensors(evidence: Evidence) -> Iterator[Measured]:
             yield Measured("end_of_range", sensor.saturated, words=words)
         yield Measured("saturated", sensor.saturated, words=words)
         if code := _BEYOND_CARS.get(name.split("_")[0]):
-            yield Measured(code, max(sensor.high, sensor.low, key=abs), words=words)
+            # a few impossible samples are a glitch; more are a wrong unit or decoding
+            largest = float(np.quantile(np.abs(evidence.run.log[name]), 1.0 - FEW))
+            yield Measured(code, largest, words=words)
         if name.startswith("p_"):
             yield Measured("pressure_high", from_si(sensor.high, "bar", "Pa"), words=words)
             yield Measured("pressure_low", from_si(sensor.low, "bar", "Pa"), words=words)
