@@ -48,7 +48,7 @@ def first_sentence(text: str) -> str:
 
 
 def add(app: typer.Typer, heading: str, *commands: Any) -> None:
-    """Add commands to a group under a heading of its help."""
+    """Add functions that `cli.command.command` declared to a group, under a heading of its help."""
     for function in commands:
         app.command(
             function.__name__.rstrip("_"),
@@ -66,7 +66,7 @@ def group(name: str, text: str, *examples: str, cls: Any = Group, **more: Any) -
         name=name,
         cls=cls,
         rich_markup_mode=None,
-        add_completion=cls is not Group,
+        add_completion=cls is not Group,  # the program alone has a class of its own
         no_args_is_help=True,
         short_help=first_sentence(text),
         epilog=example(*examples),
@@ -77,7 +77,7 @@ def group(name: str, text: str, *examples: str, cls: Any = Group, **more: Any) -
 
 
 def _nothing() -> None:
-    """Do nothing; typer takes the help of a group from a function."""
+    """Do nothing; typer needs a callback to keep a group with one command a group."""
 
 
 def example(*lines: str) -> str:

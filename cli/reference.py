@@ -120,9 +120,9 @@ def manual(
 ) -> Answer:
     """Show the pages of the manual, one of them, or what a code means.
 
-    A code is that of a warning or a metric in JSON documents and limits files, or the reason of an
-    ECU for no valid answer; `brake-cal explain CODE` is the same command. On a terminal the pager
-    that PAGER names shows the page; a pipe gets its Markdown.
+    A code is that of a warning or a metric in JSON documents and limits files, or the reason why an
+    answer of an ECU is not valid; `brake-cal explain CODE` is the same command. On a terminal the
+    pager that PAGER names shows the page; a pipe gets its Markdown.
     """
     from calib.help.explain import explained
     from calib.help.page import contents

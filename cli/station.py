@@ -138,6 +138,7 @@ def _refusals_written(out: Path, identity: dict[str, str], logs: list[Path]) -> 
     try:
         yield
     except Exception as error:
+        # errors with an exit code are typing mistakes and exits of typer, not faults of the program
         is_refusal = isinstance(error, InputError) or not hasattr(error, "exit_code")
         if this_run().interrupted or not is_refusal:
             raise

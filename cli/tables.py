@@ -92,7 +92,8 @@ def verify(
 
     Each version is compared with its digests, its invariants and the journal. With --key every
     released version must also have a signature of this key, for its present state, and the journal
-    must hold what was signed and seen before. Exit code 4 if a version is damaged.
+    must hold every state that was signed, or that you have seen. Exit code 4 if a version is
+    damaged.
     """
     from calib.show.store import verified
     from calib.store.folders import unplaced

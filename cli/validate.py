@@ -49,9 +49,9 @@ def validate(
 
     What is judged is the answer of an ECU, which has no speed over ground. --points, --fixed-point
     and --float take the table as it is exported with them; --as ecu compiles the C code of `tables
-    export --format ecu` and runs it. Logs without true torques or a speed prove nothing, and the
-    answer says so. Exit code 0 if every log holds its limits, with warnings or without; 1 if one
-    does not, or the table was fitted on it.
+    export --format ecu` and runs it. A log with neither true torques nor the speed over ground v
+    proves nothing, and the answer says so. Exit code 0 if every log holds its limits, with warnings
+    or without; 1 if one does not, or the table was fitted on it.
     """
     from dataclasses import replace
 

@@ -8,8 +8,8 @@
 
 F is the tyre force over the load F_z of the axle, lambda the slip. K and mu hold at a load of half
 the weight W. At the load F_z, the slip is multiplied by s = (2 F_z/W)^q and mu by (2 F_z/W)^-p. The
-bend b curves the formula at zero slip. A brush model, where the end of the contact patch slides at
-once, has F = K lambda (1 - K lambda/(3 mu) + ...), which is the curvature of b = C/3.
+bend b curves the formula at zero slip. In a brush model the end of the contact patch slides at the
+smallest slip: F = K lambda (1 - K lambda/(3 mu) + ...), which is the curvature of b = C/3.
 
 This is the steady state. The force builds up over the relaxation length sigma, so the slip of the
 wheel is larger than the slip that carries the force by (sigma/v) dlambda/dt.
@@ -54,7 +54,7 @@ class MagicFormula:
         return peak * np.sin(self.shape * np.arctan(bx))
 
     def slope(self, slip: Array, relative_load: Array | float = 1.0) -> Array:
-        """dF/dlambda [1]: K at zero slip, zero at the peak, negative beyond it."""
+        """dF/dlambda [1]: K/s at zero slip, zero at the peak, negative beyond it."""
         load_factor = self._load_factor(relative_load)
         bx = self._without_bend(slip / load_factor, self.peak_at(relative_load))
         return self._slope(bx, np.cos(self.shape * np.arctan(bx)), load_factor)

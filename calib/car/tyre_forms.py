@@ -24,12 +24,12 @@ FORMS = ("brush", "exponential", "dugoff", "magic_sharp", "magic_round")
 NEAR_PEAK = 0.97  # share of its peak above which a tyre counts as sliding [1]
 
 
-def inverse_forms(use: Array) -> Array:
-    """Return X of each form, (..., 5), where the share u of the peak is ``use`` [1] (...).
+def inverse_forms(share: Array) -> Array:
+    """Return X of each form, (..., 5), at the ``share`` u = F/m of the peak [1] (...).
 
     Above `NEAR_PEAK` X is constant; the caller leaves such forces out.
     """
-    u = np.clip(use, 0.0, NEAR_PEAK)
+    u = np.clip(share, 0.0, NEAR_PEAK)
     angle = np.arcsin(u)
     return np.stack(
         [
@@ -52,13 +52,13 @@ _X_OVER_U = np.vstack([_AT_ZERO, inverse_forms(_U_NODES[1:]) / _U_NODES[1:, None
 _RISES = np.diff(_X_OVER_U, axis=1)  # (5, _CELLS)
 
 
-def mean_inverse(use: Array, weights: Array) -> Array:
-    """Return X of n tyres, whose forms have ``weights`` (n, 5), at ``use`` (..., n, k) [1].
+def mean_inverse(share: Array, weights: Array) -> Array:
+    """Return X of n tyres, whose forms have ``weights`` (n, 5), at ``share`` (..., n, k) [1].
 
-    X is an odd function of the use. X/u is interpolated linearly over the root of 1 - u, which is
-    faster than the forms themselves and within 1e-5 of them.
+    X is an odd function of the share. X/u is interpolated linearly over the root of 1 - u, which is
+    faster than the forms themselves, with a relative error below 1e-5.
     """
-    u = np.minimum(np.abs(use), NEAR_PEAK)
+    u = np.minimum(np.abs(share), NEAR_PEAK)
     place = (1.0 - np.sqrt(1.0 - u)) * (_CELLS / (1.0 - _Q_END))  # in cells from u = 0
     cell = np.minimum(place.astype(np.int64), _CELLS - 1)
     place -= cell
@@ -69,4 +69,4 @@ def mean_inverse(use: Array, weights: Array) -> Array:
         form += x_over_u.take(cell)
         form *= weight[:, None]
         mean += form
-    return np.asarray(np.copysign(u, use) * mean)
+    return np.asarray(np.copysign(u, share) * mean)

@@ -1,6 +1,6 @@
 """Run a log through the step of a table: pad friction and torque of both axles, with bounds.
 
-signals --blocks--> step --> level, ratio --samples--> pads, torques, their sum
+signals --blocks--> step --> level, ratio --> pads, changes --samples--> torques, their sum
 """
 
 import itertools
@@ -52,7 +52,8 @@ class Bounded(NamedTuple):
 class Readout:
     """Answer of the step for each sample (n,), and the pads and torques by this answer.
 
-    Pad frictions are without known effects, torques are those that act.
+    Known effects on the pads are taken out of the pad frictions of an `Estimate`, not out of the
+    torques.
     """
 
     inputs: Sample[Array]  # inputs of the step, for each block
@@ -111,7 +112,7 @@ UNITS = {
     for name in FIELDS
     for end in (ENDS[:1] if name == "valid" else ENDS)
 }
-"""Columns of an answer as a table and as a file, with their units."""
+"""Units of the columns of an answer by name, in the order of the columns."""
 
 
 def read_out(
@@ -134,7 +135,8 @@ def read_out(
     x = step_inputs(table, b, reason, pressed)
     c = constants(table, noise, b.length)
     answer = with_before(c, run(c, x))
-    block = np.searchsorted(b.end, s.time, side="right")  # the last complete one, 0 before any
+    # place of the last complete block in ``answer``, which begins with that before any block
+    block = np.searchsorted(b.end, s.time, side="right")
     bounded = [quantity[:, block] for quantity in pads_of_blocks(table, x, answer)]
     level, _, pads_f, pads_r, *_ = bounded
     bounded += torques_of(table.vehicle, (s.p_f, s.p_r), level, (pads_f, pads_r))
@@ -159,18 +161,21 @@ def pads_of_blocks(table: Table, x: Sample[Array], answer: Answer) -> tuple[Arra
     ``x`` are the inputs of blocks (k,), ``answer`` is that of `with_before` (1 + k,).
     """
     car, calibration = table.vehicle, table.calibration
-    share = front_share(car, np.append(x.log_odds[0], x.log_odds))
+    log_odds = np.concatenate([x.log_odds[:1], x.log_odds])  # also for the answer before any block
+    share = front_share(car, log_odds)
     file_pads = np.array([car.front.pad_friction, car.rear.pad_friction])
     ramp_pads = np.array([calibration.pad_friction_f.value, calibration.pad_friction_r.value])
-    change = answer.change + calibration.pad_log_ratio.value
+    # ln of the ratio over the file's, with the bounds of the change alone
+    ratio_since_ramp = calibration.pad_log_ratio.value + answer.change
     pads = file_pads[:, None, None] * _pads_of(share, answer.level, answer.ratio)
-    changed = (file_pads / ramp_pads)[:, None, None] * _pads_of(share, answer.level, change)
+    factor_since_ramp = _pads_of(share, answer.level, ratio_since_ramp)
+    changed = (file_pads / ramp_pads)[:, None, None] * factor_since_ramp
     level, ratio = np.exp(answer.level), np.exp(answer.ratio)
     return level, file_pads[0] / file_pads[1] * ratio, *pads, *changed
 
 
 def with_before(c: Constants, answer: Answer) -> Answer:
-    """Prepend the answer before any block, when all pads are possible: (1 + k,) for k blocks."""
+    """Prepend the answer before any block, with the widest bounds: (1 + k,) for k blocks."""
     answer = answer.take(np.append(0, np.arange(answer.reason.size)))
     for x in (answer.level, answer.ratio, answer.change):
         x[:, 0] = np.log([1.0, c.least_level, c.most_level])
@@ -179,8 +184,9 @@ def with_before(c: Constants, answer: Answer) -> Answer:
 
 
 def step_inputs(table: Table, b: Blocks, disturbed: Index, driven: Mask) -> Sample[Array]:
-    """Return the inputs of the step (k,), without known resistance and slips by known effects.
+    """Return the inputs of the step (k,).
 
+    Known resistance, and the slips that known effects cause, are taken out of them.
     ``disturbed`` is the `Reason` of each block (k,), ``driven`` whether the accelerator is pressed.
     """
     car = table.vehicle
@@ -198,6 +204,7 @@ def step_inputs(table: Table, b: Blocks, disturbed: Index, driven: Mask) -> Samp
         rear_share=road.load_r / car.weight,
         v=np.full(b.end.size, np.nan) if b.v is None else b.v,
         disturbed=disturbed.astype(np.float64),
+        # ln of front over rear pressure adds to the log odds of the front share of the force
         log_odds=np.log(np.maximum(b.p_f, 1e4) / np.maximum(b.p_r, 1e4)),
         driven=driven.astype(np.float64),
         drive=(b.drive_f / car.front.rolling_radius + b.drive_r / car.rear.rolling_radius)
@@ -212,6 +219,8 @@ def _pads_of(share: Array, level: Array, ratio: Array) -> Array:
     ``share`` is that of the front axle with the file's pads (k,), ``level`` and ``ratio`` are
     logarithms (3, k) with independent errors: distances to the bounds add up as squares.
     """
-    rear = -np.log(share * np.exp(ratio) + 1.0 - share)
-    by_ratio = np.stack([ratio + rear, rear[[0, 2, 1]]])  # a higher ratio means weaker rear pads
-    return np.exp(np.stack([widened(level + x[0], x[0] - x) for x in by_ratio]))
+    log_rear = -np.log(share * np.exp(ratio) + 1.0 - share)
+    # ln of the pads at a level of 1, (2, 3, k); a higher ratio means weaker rear pads
+    log_pads = np.stack([ratio + log_rear, log_rear[[0, 2, 1]]])
+    # the bounds of the level, widened by the distances to the bounds by the ratio
+    return np.exp(np.stack([widened(level + x[0], x[0] - x) for x in log_pads]))

@@ -62,7 +62,7 @@ def _rounded(x: float, form: str) -> list[float]:
 
 
 def parent(file: Returned, store: Store) -> Stored | None:
-    """Return the version that the head or the labels of a file name; None if it is not stored.
+    """Return the version that is named in the head of a file, else by its labels; None if unknown.
 
     Raises DamagedTable, and ExchangeError where several tables have such labels.
     """
@@ -81,7 +81,7 @@ def parent(file: Returned, store: Store) -> Stored | None:
 
 
 class Difference(NamedTuple):
-    """What a file has other than its table."""
+    """Where a file differs from its table."""
 
     wrong: list[str]  # contradictions, in words
     rounded: str = ""  # how the numbers were rounded; "" if they were not
@@ -99,8 +99,8 @@ def difference(file: Returned, stored: Stored | None) -> Difference:
         if file.unchanged is None:
             flaw = f"{file.table} is not in this store, and the file has no checksum to hold it to"
             raise ExchangeError(flaw, do="give the store of that table with --store")
-        rounds = f"so does a tool that rounds them: give the store of {file.table} with --store"
-        return Difference([f"{_EDITED}; {rounds}"] if edited else [])
+        advice = f"or were only rounded by a tool: give the store of {file.table} with --store"
+        return Difference([f"{_EDITED}, {advice}"] if edited else [])
     tried = list[Difference]()
     for content in _candidates(stored, file):
         tried.append(_compared(file, content, edited))
@@ -120,7 +120,7 @@ def _compared(file: Returned, content: Content, edited: list[str]) -> Difference
     wrong = [f"{x.where}: {x.read!r}, the table has {x.true!r}" for x in changed]
     absent = tuple(sorted(_labels(content) - _labels(file.content)))
     return Difference(
-        [*([] if rounded else edited), *wrong, *_gaps(file, content)], rounded, absent
+        [*([] if rounded else edited), *wrong, *_structural_flaws(file, content)], rounded, absent
     )
 
 
@@ -129,9 +129,9 @@ def _labels(content: Content) -> set[str]:
 
 
 def _candidates(stored: Stored, file: Returned) -> Iterator[Content]:
-    """Return the numbers of a table as an export writes them, then as those of C code do.
+    """Yield the numbers of a table as an export to this format, then as those of C code have them.
 
-    Maps of more axes than the format has are in the slices of the file.
+    A map with more axes than the format allows is sliced at the rows of the file.
     """
     most = FORMATS["cdfx" if file.format == CDF else "dcm"].most_axes
     data = build(stored, first=file.prefix)
@@ -142,7 +142,7 @@ def _candidates(stored: Stored, file: Returned) -> Iterator[Content]:
         maps += sliced(grid, near) if len(grid.axes) > most else [grid]
     yield replace(data, maps=tuple(maps)).content()
     points = max((len(x) for x in file.content.axes.values()), default=None)
-    for bits in (None, *BITS):  # the axes of code are rounded first
+    for bits in (None, *BITS):  # code has its maps at rounded axes, which depend on the precision
         how = Precision(points, bits, single=bits is None, code=True)
         axes, grids = zip(*maps_of(stored.table, file.prefix, how, most), strict=True)
         flat_axes, flat_maps = (tuple(chain.from_iterable(x)) for x in (axes, grids))
@@ -171,13 +171,16 @@ def _pairs(read: Content, whole: Content) -> Iterator[Pair]:
 
 
 def _nearest(points: Sequence[float], rows: Sequence[float]) -> Sequence[float]:
-    """Return the row of the table for each point of a file; rounded points may be equal."""
+    """Return the row of the table for each point of a file.
+
+    As many points as rows are paired in order, since rounded points may coincide.
+    """
     if len(points) == len(rows):
         return rows
     return [min(rows, key=lambda row: abs(row - x)) for x in points]
 
 
-def _gaps(file: Returned, whole: Content) -> list[str]:
+def _structural_flaws(file: Returned, whole: Content) -> list[str]:
     """Return labels that the table does not have, and curves that do not span the table.
 
     A tool may save other objects of an ECU, too; the labels of this table begin with its name.

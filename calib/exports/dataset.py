@@ -128,8 +128,8 @@ class Axis(Object):
 class Grid(Object):
     """A curve or map: values (n,) at every combination of its axes, the first axis the slowest.
 
-    ``column``: name in the table. ``bounds``: 95 % bounds, or None. ``count`` and ``flag`` of the
-    cells of a curve; a map has none, and its bounds are grids, too.
+    ``column`` is the name in the table. A curve has 95 % ``bounds``, a ``count`` of blocks and a
+    ``flag`` in each row. A map has None for all three: its bounds are grids of their own.
     """
 
     column: str

@@ -5,7 +5,7 @@
               objects are comments; the number shows a file that was cut off.
     cdfx      CDF 2.0 of ASAM: XML with one SW-INSTANCE per object, elements in the standard's order
     c-header  constants in C99 by MISRA C:2012: declared for every file (8.4, 8.11), defined only
-              where <NAME>_DEFINE is defined before it (8.6)
+              in the file that defines <NAME>_DEFINE before its #include (8.6)
     a2l       ASAM MCD-2 MC 1.7.1: types and addresses of the objects of the C header or of the
               code, without values and interface, to be merged into the A2L of the ECU
 
@@ -52,7 +52,7 @@ _LONGEST_TEXT = 255  # characters of a text of A2L
 _A2L_TYPES = {8: "SBYTE", 16: "SWORD", 32: "SLONG"}  # by width of the fixed point [bit]
 _DIGITS = 7  # significant digits of the largest number of an object that a tool shows
 _MOST_DECIMALS = 15
-MOST = 1e30  # limit of a number without limits, which every floating point holds [its unit]
+MOST = 1e30  # written as the limit of a number without limits: any floating point holds it
 
 
 def _write_json(data: Dataset) -> bytes:
@@ -116,8 +116,9 @@ def _cells(grid: Grid) -> Iterator[tuple[str | float | None, ...]]:
     numbers = zip(*((none if x is None else x).tolist() for x in columns), strict=True)
     for place, (value, *rest) in zip(places, numbers, strict=True):
         (axis, x), *more = place
-        over = [cell for pair in more for cell in pair] + [None] * (2 * (MOST_AXES - len(place)))
-        yield (grid.label, axis, x, value, grid.unit, *rest, grid.meaning, *over)
+        missing = [None] * (2 * (MOST_AXES - len(place)))
+        further = [*(cell for pair in more for cell in pair), *missing]  # axis_2, x_2, axis_3, x_3
+        yield (grid.label, axis, x, value, grid.unit, *rest, grid.meaning, *further)
 
 
 def _write_csv(data: Dataset) -> bytes:
@@ -143,7 +144,7 @@ def _quoted(text: str) -> str:
     return f'"{plain}"'
 
 
-def _commented(text: str) -> str:
+def _without_comment_marks(text: str) -> str:
     """Return a text on one line without marks of comments, which simple readers see in texts."""
     plain = printable(text).replace("\\", "/")
     return re.sub(r"/(?=[/*])|\*(?=/)", r"\g<0> ", plain)
@@ -151,7 +152,7 @@ def _commented(text: str) -> str:
 
 def _short(text: str) -> str:
     """Return a quoted text of A2L. Raises ExchangeError if it is longer than A2L allows."""
-    plain = _commented(text).replace('"', "'")
+    plain = _without_comment_marks(text).replace('"', "'")
     if len(plain) > _LONGEST_TEXT:
         flaw = f"{plain[:24]}... has {len(plain)} characters"
         expected = f"at most {_LONGEST_TEXT} in a text of A2L"
@@ -183,7 +184,10 @@ def _type_limits(constant: Object) -> tuple[float, float]:
 
 
 def _band(constant: Object) -> Array:
-    """Return the 95 % bounds of a number; the values and the bounds of a curve."""
+    """Return the ends of the 95 % band of a scalar; of a curve its values and bounds.
+
+    A map has its values alone, as its bounds are grids of their own.
+    """
     if isinstance(constant, Scalar):
         return constant.values + Z95 * (constant.sigma or 0.0) * np.array([-1.0, 1.0])
     ends = constant.bounds if isinstance(constant, Grid) and constant.count is not None else None
@@ -193,7 +197,7 @@ def _band(constant: Object) -> Array:
 def _limits(constant: Object) -> tuple[float, float]:
     """Return the range of the numbers with their 95 % bounds, within that of the type [unit].
 
-    A member of a larger object, as code has it, is without limits.
+    An object inside a larger one of the C code has no limits.
     """
     if constant.within is not None:
         return -MOST, MOST
@@ -238,7 +242,7 @@ def _filled(name: str, text: Callable[[str], str], data: Dataset) -> bytes:
     environment.filters |= {
         "text": text,
         "printable": printable,
-        "comment": _commented,
+        "comment": _without_comment_marks,
         "label": lambda parts: label(*parts),
         "origin": _origin_of,
         "limits": _limits,

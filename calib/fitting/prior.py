@@ -77,9 +77,10 @@ _DEFAULT = Prior("the field", "", np.zeros(len(NAMES)), np.eye(len(NAMES)))
 def draw_cars(x: Array, priors: Sequence[Prior]) -> tuple[Ensemble, Array, Array]:
     """Return cars of standard normal ``x`` (n, DRAWN + 1), and the prior of the linear parameters.
 
-    The last column of ``x`` decides which of the ``priors`` a draw has. The linear parameters,
-    compliances and ``radius_load``, are 1 in the cars. Given the other coordinates they are normal,
-    with a centre (n, 3) and the root (n, 3, 3) of the covariance.
+    The last column of ``x`` decides which of the ``priors`` a draw has. The cars have 1 in
+    the place of the linear parameters, compliances and ``radius_load``, which are integrated out:
+    given the other coordinates they are normal, with a centre (n, 3) and the upper triangular root
+    U (n, 3, 3) of their covariance U U'.
     """
     y, centre, root = (np.empty((len(x), *shape)) for shape in ((DRAWN,), (3,), (3, 3)))
     for i, prior in enumerate((_DEFAULT, *priors)):
@@ -141,13 +142,15 @@ def _cars(y: Array) -> Ensemble:
 
 
 def _coordinates(e: Ensemble) -> Array:
-    """Coordinates (n, k) of draws; random ones of those that give the same forms."""
+    """Coordinates (n, k) of draws. The weights of forms leave a factor open, which is random."""
     rng = np.random.default_rng(44)
     # weights of a Dirichlet distribution times a gamma variate are independent gamma variates
     amounts = e.forms * rng.gamma(_SPARSE * len(FORMS), size=(e.size, 1))
     forms = np.interp(np.log(np.maximum(amounts, 1e-30)), *_amounts()[::-1])
     values = vars(e) | {name: np.log(getattr(e, name)) for name in _LOGS}
     nonlinear = (np.stack([values[name] for name in _NONLINEAR], axis=1) - CENTRE) / WIDTH
+    ratio = _NONLINEAR.index("log_pad_ratio")
+    nonlinear[:, ratio] = np.interp(nonlinear[:, ratio], *_tails()[::-1])
     return np.hstack([forms, nonlinear, np.linalg.solve(_TO_LINEAR, (e.linear - _LINEAR).T).T])
 
 
@@ -173,17 +176,18 @@ def _of_tyres(car: Vehicle, tyres: Sequence[TyreFile]) -> Prior:
     for tyre, axle_load in zip((tyres[0], tyres[-1]), car.static_loads, strict=True):
         loads = 0.5 * axle_load * np.array([0.8, 1.0, 1.25])
         log_values = np.log([tyre.at_load(load) for load in loads])
-        # ln of stiffness and of peak are lines over ln of the load, 0 at a quarter of the weight
-        falling, (stiffness, peak) = np.polyfit(np.log(4.0 * loads / car.weight), log_values, 1)
-        fall = tyre.radius_load(loads[1])
-        if fall is None:
-            fall, sigma[PLACES["radius_load"]] = CAR.radius_load.mean, 1.0
-        rows.append([*-falling, peak, np.exp(-stiffness), fall])
+        # ln of stiffness and of peak are straight lines over ln of (load / quarter of the weight)
+        relative_loads = np.log(4.0 * loads / car.weight)
+        slopes, (log_stiffness, log_peak) = np.polyfit(relative_loads, log_values, 1)
+        radius_load = tyre.radius_load(loads[1])
+        if radius_load is None:
+            radius_load, sigma[PLACES["radius_load"]] = CAR.radius_load.mean, 1.0
+        rows.append([*-slopes, log_peak, np.exp(-log_stiffness), radius_load])
         slips.append(np.interp(use, *tyre.curve(loads[1])))
-    *nonlinear, compliance, fall = np.mean(rows, axis=0)
+    *nonlinear, compliance, radius_load = np.mean(rows, axis=0)
     for name, x in zip(("load_exponent", "peak_load_exponent", "peak"), nonlinear, strict=True):
         mean[PLACES[name]] = (x - getattr(CAR, name).mean) / getattr(CAR, name).sigma
-    mean[DRAWN:] = np.linalg.solve(_TO_LINEAR, [rows[0][3], rows[1][3], fall] - _LINEAR)
+    mean[DRAWN:] = np.linalg.solve(_TO_LINEAR, [rows[0][3], rows[1][3], radius_load] - _LINEAR)
     sigma[PLACES["compliance"] + PLACES["log_tyre_ratio"]] *= compliance / COMPLIANCE
     covariance, form = np.diag(sigma**2), PLACES["form"]
     mean[form], covariance[np.ix_(form, form)] = _form(use, np.mean(slips, axis=0))
@@ -204,7 +208,7 @@ def _form(use: Array, slip: Array) -> tuple[Array, Array]:
 
 
 def _of_fleet(car: Vehicle, fleet: Mapping[str, Table]) -> Prior:
-    """The prior of another car of the model, by the tables of the ``fleet`` by name@version."""
+    """The prior of a further car of the model, from the tables of the ``fleet`` by name@version."""
     identity = np.eye(_VARIANCE_IN_MODEL.size)
     # precision of the mean of the model, and precision times its value
     precision = np.diag(1.0 / (1.0 - _VARIANCE_IN_MODEL))

@@ -34,7 +34,7 @@ from calib.table.table import Value
 _DRAWS = 64  # draws whose median residual is taken; its error is far below that of a block
 
 MOVE_ETA = (LATE, "unexplained_braking_force", "force_step")
-"""Codes of mistakes that change eta: a fit with one of them is refused if no tyre explains eta."""
+"""Codes of mistakes that change eta. They do not excuse an unexplained eta; others do."""
 
 _LARGEST_RMS = 3.0
 """Root mean square of the residuals of eta above which a ramp is not explained [1].
@@ -55,8 +55,8 @@ def explained(
 
     ``ratio`` is the prior of ln of the pads' ratio, ``priors`` are informative priors of the car,
     ``named`` are warnings whose causes may explain a misfit. Raises ``refused`` where no draw
-    carries the forces, where v contradicts the wheel speeds, and where no tyre explains eta, unless
-    a warning in ``named`` is none of `MOVE_ETA`.
+    carries the forces, where v contradicts the wheel speeds, and where no tyre explains eta and
+    ``named`` has no warning beside `MOVE_ETA`.
     """
     try:
         ensemble = posterior(car, runs, ratio, priors=priors)
@@ -105,18 +105,20 @@ def _ramp_residuals(
 def residuals(car: Vehicle, e: Ensemble, run: RampRun) -> tuple[Array, Array]:
     """Residuals of eta and slip over their errors at the braked blocks, (k,) each.
 
-    The residuals of slip are empty without v. The errors include that of the forces by the noise of
-    z, which on a rough road is five times the noise of the wheels.
+    The residuals of slip are empty without v. The errors include the error of the forces by the
+    noise of z. On a rough road it is five times the error by the wheels.
     """
     regression = Regression(car, [run], groups=None)
     (ramp,) = regression.ramps
     z, z_noise = ramp.z[1:], run.noise.z / np.sqrt(run.blocks.length)
-    forces = np.repeat(np.abs(ramp.rows @ z) / (z @ z) * z_noise, z.size)
+    slope = ramp.rows @ z / (z @ z)  # of eta - 1 and of slip over z, (2,)
+    forces = np.repeat(np.abs(slope) * z_noise, z.size)
     errors = regression.errors["noise"], regression.errors["tyres"], forces[:, None]
     sigma = np.linalg.norm(np.hstack(errors), axis=1)
     lasting = np.hstack([regression.errors["zeros"], regression.errors["accelerometer"]])
     residual = regression.residuals(e.take(np.linspace(0, e.size - 1, _DRAWS).astype(np.int64)))
-    # subtract the errors that last over the run, as far as its rows determine them
+    # subtract the posterior mean of the errors that last over the run, L L' C^-1 r with L = lasting
+    # and C^-1 = white' white
     residual -= residual @ regression.white.T @ regression.white @ lasting @ lasting.T
     eta, slip = np.split(np.median(residual, axis=0) / sigma, 2)
     return eta, slip[:0] if run.slip is None else slip

@@ -29,18 +29,18 @@ MDF = (".mf4", ".mdf", ".dat")
 _KINDS: tuple[tuple[bytes, str, tuple[str, ...]], ...] = (
     (rb"PAR1", "a Parquet file", (".parquet",)),
     (rb"MDF  |UnFin", "an MDF file", MDF),
-    (rb"LOGG", "a BLF file", (".blf",)),
-    (rb"\(\d+\.\d+\) +\S+ +[0-9a-f]+#", "a candump log", (".log",)),
-    (rb"date [^,;\t\n]+\r?\nbase +(hex|dec)", "a Vector ASC log", (".asc",)),
-    (rb";\$fileversion=", "a PEAK TRC log", (".trc",)),
-    (rb"file created on ", "a VBO log", (".vbo",)),
+    (rb"LOGG[^\t -~]", "a BLF file", (".blf",)),  # a CSV may begin with "LOGGER"
+    (rb"\(\d+\.\d+\) +\S+ +[0-9a-fA-F]+#", "a candump log", (".log",)),
+    (rb"(?i:date [^,;\t\n]+\r?\nbase +(hex|dec))", "a Vector ASC log", (".asc",)),
+    (rb"(?i:;\$fileversion=)", "a PEAK TRC log", (".trc",)),
+    (rb"(?i:file created on )", "a VBO log", (".vbo",)),
     (rb"PK\x03\x04", "a zip archive or a workbook", ()),
-    (rb"MATLAB |\x89HDF", "a MATLAB or HDF5 file", ()),
-    (rb"<!doctype html|<html", "a web page", ()),
-    (rb"<\?xml", "an XML file", ()),
+    (rb"MATLAB \d|\x89HDF", "a MATLAB or HDF5 file", ()),
+    (rb"(?i:<!doctype html|<html)", "a web page", ()),
+    (rb"(?i:<\?xml)", "an XML file", ()),
     (rb"\{", "a JSON file", ()),
 )
-"""Pattern of the first bytes (in any case), name of the kind of file, and its right endings."""
+"""Pattern of the first bytes, name of the kind of file, and its right endings."""
 
 
 def refuse_other_kind(head: bytes, ending: str, where: object) -> None:
@@ -54,7 +54,7 @@ def refuse_other_kind(head: bytes, ending: str, where: object) -> None:
         )
     text = head.lstrip(b"\xef\xbb\xbf \t\r\n")
     for pattern, name, endings in _KINDS:
-        if re.match(pattern, text, re.IGNORECASE) and ending not in endings:
+        if re.match(pattern, text) and ending not in endings:
             raise LogError(
                 f"{name}, not a {ending} file",
                 where=where,

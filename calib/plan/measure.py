@@ -27,7 +27,7 @@ LEAD_IN, HOLD, RELEASE = 3.0, 1.0, 0.5
 """Times of a ramp [s]. A fit zeroes eta over the last 3 s before the bite."""
 
 RATE = 100.0  # samples per second of a run; a fit takes means over blocks of 50 ms or more
-_SLOWEST = 5.0  # least speed at the end of a rise [m/s]: a fit leaves out slower blocks
+_SLOWEST = 5.0  # least speed at the end of a run [m/s]: a fit leaves out slower blocks
 
 
 @dataclass(frozen=True)
@@ -97,8 +97,8 @@ def drive(model: Model, run: Measure, track: Track, sensors: frozenset[str]) -> 
     """Simulate a run as it would be driven and logged, without noise.
 
     ``sensors`` are the optional channels that are logged. Raises ModelError for a run that is
-    longer than the track, in which the car is nearly at rest before the end of the rise or a tyre
-    is beyond its peak, or with one axle alone and no sensors of wheel pressures.
+    longer than the track, at whose end the car is nearly at rest, in which a tyre is beyond its
+    peak, or with one axle alone and no sensors of wheel pressures.
     """
     if run.axle and not sensors >= set(WHEEL_PRESSURES):
         raise ModelError(f"{run.text} needs {', '.join(sorted(WHEEL_PRESSURES))}")

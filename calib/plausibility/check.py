@@ -57,7 +57,7 @@ def check(log: Log, vehicle: Vehicle | None = None) -> Findings:
     >>> [verdict.purpose for verdict in findings.verdicts if verdict.usable]
     ['coast', 'diagnose']
     >>> findings.verdicts[0].reasons[0].partition(";")[0]
-    'no braking (no_braking)'
+    'the log has no braking (no_braking)'
     """
     run = Run(log, vehicle)
     refusals = {purpose: unusable(run, purpose) for purpose in PURPOSES}

@@ -1,4 +1,4 @@
-"""Judge a run for a purpose by the rules; `check` uses the same rules as the purpose itself.
+"""Judge a run for a purpose by the rules, in `check` as in `fit`, `validate` and `diagnose`.
 
 run --figures--> measured values --rows of `rules.csv` for the purpose--> warnings
 

@@ -1,6 +1,6 @@
 """Figures of the wheels: against a_x, v and each other, without a vehicle and with one.
 
-Each function is a figure of `rules.csv` by its name.
+Each function computes the numbers that the column `figure` of `rules.csv` names after it.
 """
 
 import math
@@ -29,12 +29,12 @@ _UNITS = {"m/s": 1.0, "km/h": 1.0 / 3.6, "mph": 0.44704}  # units that are confu
 _UNIT_KNOWN = 0.16
 """Largest difference (logarithm) from the ratio of two units at which these are reported: half of
 that between the closest ratios, 1.61 and 2.24."""
-_STIFFEST = 60.0  # slip stiffness over load above that of any tyre [1]
+_STIFFEST = 60.0  # slip stiffness K above that of any tyre [1]
 _ROLLED, _OTHER_SLOPE, _RADIUS = 0.5, 0.003, 0.01
 """Shortest rolling [s] for zero and slope of a_x; sigma of a later change of the slope [1], and of
 the radii of a vehicle file [1]."""
-_SLOWED = 0.25  # least range of the wheels' deceleration with which a_x is compared [g]
-_CONFIRMED = 0.4  # share of the difference of v and wheels that a_x must confirm [1]
+_SLOWED = 0.25  # a_x is compared where the wheels' deceleration varies by more than this [1]
+_CONFIRMED = 0.4  # scale of a_x over the difference of the radii: from 0.4 to 1/0.4 they agree
 _BRAKED, _BRAKED_TIME = 0.05, 1.0  # deceleration [1] from which slip is seen; time of it [s]
 _SOURCES = {"front": (1.0, 0.0), "rear": (0.0, 1.0), "four": (0.5, 0.5)}
 """Weights of the front and rear wheels from which v may be computed."""
@@ -64,7 +64,9 @@ def wheels(evidence: Evidence) -> Iterator[Measured]:
         for axle, of_axle in mistakes.items():
             yield _speed_mistake(axle, of_axle)
         if not mistakes:
-            yield from _unit_of_v(axles.radius, axles.slope or 0.0)
+            yield from _unit_of_v(
+                axles.radius, radius_by_a_x=axles.slope or 0.0
+            )  # the slope is [m]
     if (crossed := crossed_side(run.wheels, run.alone)) is not None:
         yield Measured("wheels_crossed_side", crossed.part, words={"found": crossed})
     if (eta := axles.eta_braked) is not None:
@@ -92,7 +94,7 @@ def _in_words(mistake: SpeedMistake) -> str:
 
 
 def _unit_of_v(radius: float, radius_by_a_x: float) -> Iterator[Measured]:
-    """Rolling radius by v [m], and over that by a_x [1] if that of a_x is plausible."""
+    """Rolling radius by v [m], and its ratio to the radius by a_x [1] where that is plausible."""
     low, high = bounds_of("v_unit")
     is_plausible = low <= radius_by_a_x <= high
     factor = radius / (radius_by_a_x if is_plausible else NOMINAL_RADIUS)
@@ -117,7 +119,7 @@ def _axle_words(alone: str | None) -> dict[str, str]:
 
 
 def a_x_follows(evidence: Evidence) -> Iterator[Measured]:
-    """Size of the correlation of a_x with the wheels' deceleration before any slips deeply [1]."""
+    """Size of the correlation of a_x with the wheels' deceleration before a wheel slips [1]."""
     driving, slipping = evidence.run.driving, evidence.run.slipping
     use = driving.moving & (driving.time < (slipping.first if slipping else np.inf))
     for start, length in evidence.run.clock.gaps:  # means across a gap are of neither side
@@ -146,7 +148,8 @@ def radii(evidence: Evidence) -> Iterator[Measured]:
 def slip(evidence: Evidence) -> Iterator[Measured]:
     """Rise of eta under braking: the axle that brakes alone, else the front one, must slip more.
 
-    Only decelerations to which the car, or without a vehicle any car, is front-biased are used.
+    Only decelerations up to 0.8 of that at which the car, or without a vehicle any car, stops being
+    front-biased are used.
     """
     run, b = evidence.run, evidence.run.blocks
     front_biased = front_biased_up_to(run.car) if run.vehicle else LEAST_FRONT_BIASED
@@ -196,10 +199,11 @@ def car_wheels(evidence: Evidence) -> Iterator[Measured]:
 
 
 def a_x_by_wheels(evidence: Evidence) -> Iterator[Measured]:
-    """Scale of a_x without v: speed lost by its integral over that by the wheels, less 1.
+    """Error of the scale of a_x without v, less the usual error.
 
-    Zero and slope of a_x are those of the lead-in, slip is that of usual tyres. The scale is that
-    in the block with the least error: the slower the car, the less the slip counts.
+    It is the speed lost by the integral of a_x over the speed lost by the wheels, less 1. Zero of
+    a_x and grade of the road are those of the lead-in, slip is that of usual tyres. The block with
+    the least error counts: the slower the car, the less the slip matters.
     """
     run, b = evidence.run, evidence.run.blocks
     rolled = np.flatnonzero(b.lead_in)
@@ -210,10 +214,10 @@ def a_x_by_wheels(evidence: Evidence) -> Iterator[Measured]:
     car, (mean, sigma, *_) = run.car, CAR.compliance
     rim = 0.5 * (car.front.rolling_radius * b.omega_f + car.rear.rolling_radius * b.omega_r)
     time = b.end - b.end[rolled[-1]]
-    slope, rim_at_first = np.polyfit(time[rolled], rim[rolled], 1)
-    z = np.where(time > 0.0, b.z - np.mean(b.z[rolled]) - slope / G, 0.0)
-    lost_by_a_x = G * b.length * np.cumsum(z)
-    lost = rim_at_first - rim / (1.0 - mean * np.clip(z, 0.0, 1.0))
+    rolling_rate, rim_at_start = np.polyfit(time[rolled], rim[rolled], 1)
+    z = np.where(time > 0.0, b.z - np.mean(b.z[rolled]) - rolling_rate / G, 0.0)
+    lost_by_a_x = G * b.length * (np.cumsum(z) - 0.5 * z)  # up to the middle of a block, as rim
+    lost = rim_at_start - rim / (1.0 - mean * np.clip(z, 0.0, 1.0))
     end = run.slipping.first if run.slipping else np.inf
     use = np.flatnonzero((time > 0.0) & (b.end < end) & (rim > MOVING) & (lost > MOVING))
     if use.size:
@@ -225,7 +229,7 @@ def a_x_by_wheels(evidence: Evidence) -> Iterator[Measured]:
 
 
 def slip_of_v(evidence: Evidence) -> Iterator[Measured]:
-    """Slip of the braked wheels by v, rms, over the least of any tyre [1].
+    """Rms slip of the braked wheels by v, over that of the stiffest tyre [1].
 
     The slip of an axle, or the mean of both, is zero if v is computed from its wheels: the least of
     the three counts. The force on a braked axle is about its load times the deceleration, or more.
@@ -249,6 +253,6 @@ def slip_of_v(evidence: Evidence) -> Iterator[Measured]:
 
 
 def v_scale(evidence: Evidence) -> Iterator[Measured]:
-    """Scale of a_x against v by a wrong unit, clock or filter; 0 if a sensor's is likelier."""
+    """Scale of a_x against v by a wrong unit, clock or filter; 0 if a sensor errs likelier."""
     other = evidence.run.other_scale
     yield Measured("v_scale", other / (1.0 - other))

@@ -54,7 +54,8 @@ def shares_of_speed(log: Log) -> Iterator[tuple[str, float]]:
 def copied_pairs(log: Log, names: Sequence[str]) -> Iterator[tuple[str, str, float]]:
     """Yield pairs of channels that are copies, each with the correlation of its noise [1].
 
-    Two channels that are held step together and are compared at their steps alone. The noise must
+    Copies among channels that hold their values change in the same samples, so only the samples in
+    which the first one changes are compared. The noise must
     correlate also without the samples that change most: a bump shakes all wheels.
     """
     periods = {name: _mean_period(log[name]) for name in names}
@@ -98,7 +99,7 @@ def _is_noise(log: Log, channel: str) -> bool:
 _CHANNELS = ("p_mc", "a_x", "v", *WHEEL_SPEEDS)  # inputs of a diagnosis
 _FEWEST = 20  # changes from which a period is estimated
 _SOONER = 0.1  # share of the changes that may come sooner than a period: messages jitter
-_LATER = 1.6  # longest time between two changes that is one period [periods]: a value was lost
+_LATER = 1.6  # a longer time between two changes [periods] is no single period: a value was lost
 _SAME = 0.6  # a value that stays this much longer was sent once more [periods]
 _LONGEST = 0.25  # longest period [s]: a channel that changes less often rests, or is coarse
 
@@ -135,7 +136,7 @@ def _arrivals(x: Array, longest: float) -> Index | None:
 
 
 def without_holds(log: Log) -> Log:
-    """Return the log with held `_CHANNELS` interpolated, up to their earliest last arrival."""
+    """Return the log with held `_CHANNELS` interpolated, cut at the earliest last arrival."""
     longest, end = _LONGEST / log.sample_time, log.time.size
     channels, interpolated = dict(log.channels), set(log.interpolated)
     for name in (channel for channel in _CHANNELS if channel in log):

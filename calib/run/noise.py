@@ -77,11 +77,14 @@ def _rms(x: list[float]) -> float:
 _COLOUR = {"omega": 1.5, "z": 2.0, "v": 1.0}
 """Assumed ratio of long-run to white noise if a run is too short to measure it [1]. The available
 logs have 0.8 to 2.5 for omega, 1.5 to 4 for z (both from road excitation), and 1 for v."""
-_FEW = 10  # samples of a lead-in that are too few: half of the estimates would be 25 % off
+_FEW = 10  # samples of a lead-in that are too few: a third of the estimates are 25 % off
 
 
 def lead_in_noise(log: Log, s: Signals) -> SensorNoise:
-    """Estimate the noise from the lead-in alone, for causal use: white noise times `_COLOUR`."""
+    """Estimate the noise from the lead-in alone, for causal use: white noise times `_COLOUR`.
+
+    It is 0 for a lead-in of `_FEW` samples or fewer.
+    """
     if np.count_nonzero(s.lead_in) <= _FEW:
         return SensorNoise(0.0, 0.0, 0.0, 0.0)
     omega = _rms([_white_sigma(x[s.lead_in]) for x in _half_differences(log)])
@@ -142,7 +145,7 @@ WALK = 1.2e-5
 """Random walk q of the zeros, by rolling radii that change [1/s^0.5]. A tyre that warms by 30 K in
 five minutes gains 0.1 % of radius, 3e-6 a second. With r = 4e-5 s^0.5 of usual wheel speeds tau is
 3 s: the zero lags by 1e-5 and has noise of 2e-5. A q that makes 0.1 % in five minutes would forget
-a lead-in within half a second: over seconds a warming tyre is steadier than a walk."""
+a lead-in within a second: over seconds a warming tyre is steadier than a walk."""
 _OLDEST = 12.0  # age over tau from which a sample has no weight instead of exp(-12) = 6e-6
 
 

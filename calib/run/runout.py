@@ -5,9 +5,9 @@ with the wheel angle phi:
 
     omega read = omega (1 + sum_k a_k cos(k phi) + b_k sin(k phi))      k = 1, 2
 
-Run-out of 0.05 mm on a radius of 50 mm makes 0.1 % once a turn, a third of what a braking changes
-eta; an oval ring errs twice a turn. The mean speed over one turn is free of the error, so omega
-over that mean shows the error and the noise. a_k and b_k are constant over a log.
+Run-out of 0.05 mm on a radius of 50 mm makes an error of 0.1 % once a turn, a third of the change
+of eta in a braking; an oval ring errs twice a turn. The mean speed over one turn is free of the
+error, so omega over that mean shows the error and the noise. a_k and b_k are constant over a log.
 """
 
 import numpy as np
@@ -23,7 +23,8 @@ _FEWEST = 100  # fewest samples of a fit
 _SMALLEST = 2e-4  # amplitude below which a ring is good [1]
 _SURE = 6.0
 """Amplitude over its sigma by white noise from which an order k is an error of the ring. In 327
-logs with good rings the largest of a log (eight orders) has a median of 2.4, and is at most 5."""
+logs with good rings the largest of a log (two orders of four wheels) has a median of 2.4, and is at
+most 5."""
 _ALIKE = 0.5
 """Largest change of a ring's error between both halves of a log, over its amplitude [1]. The noise
 of a slow bus has another phase in each half."""

@@ -41,11 +41,11 @@ _WITHIN = 1.0
 """Largest gap over the sensors' noise [1] that is no sign of an unknown cause."""
 _SPEED = "Speed of the open-loop replays of the hold-outs less the measured one."
 _LARGEST = "Replay less measurement of {}, the log with the largest gap; the band is the noise."
-_GAP = "By log and channel, in units of the noise, which is taken out."
+_GAP = "By log and channel, over the noise of the sensors, after the noise was subtracted."
 _BASE = (
-    "Base parameters from all calibration logs. The pads' intervals count the mass, a tyre's own "
-    "form and what each log has of its own. Those of a fit are wider, most in the rear: it has its "
-    "ramps alone, and counts axle loads and unlike tyres too."
+    "Base parameters from all calibration logs. The intervals of the pads include the mass, the "
+    "form of the tyres and what differs from log to log. Those of `brake-cal fit` are wider, most "
+    "at the rear: it has the ramps alone, and includes axle loads and unlike tyres, too."
 )
 _TERM = "An empirical term: what it adds, by what it depends on."
 _FIT = "brake-cal fit RAMP COAST --vehicle V.toml --model DIR/model.toml"
@@ -137,9 +137,9 @@ def _verdict_of(diagnosis: Diagnosis) -> str:
         return f"{text}, and something else." if diagnosis.unexplained else f"{text}."
     if outcome(diagnosis) == "within_noise":
         return (
-            "The hold-outs show no gap. What is left from step to step is quick, and not in the "
-            "catalogue: look at the sensors first, one that filters, such as a_x, or channels that "
-            "are not simultaneous."
+            "The hold-outs show no gap. What is left in the innovations changes fast, and no "
+            "effect of the catalogue explains it. Look at the sensors first: one may filter, often "
+            "a_x, or channels are not simultaneous."
         )
     return "The model lacks something that is not in the catalogue."
 
@@ -165,7 +165,7 @@ def _effect(effect: Named, diagnosis: Diagnosis) -> Facts:
     if effect.indistinguishable_from:
         rows.append(("Cannot be told from", listed(effect.indistinguishable_from, "or")))
     if effect.separate_by:
-        rows.append(("What would", effect.separate_by))
+        rows.append(("To tell them apart", effect.separate_by))
     return Facts(spaced(effect.name).capitalize(), rows=rows)
 
 
@@ -193,8 +193,8 @@ def unexplained(diagnosis: Diagnosis) -> str:
         return ""
     explained, driver, place = 100.0 * cause.explained, cause.term.driver, spaced(cause.term.place)
     sentences = [
-        f"{explained:.0f} % of the remaining gap by an empirical term on the {place} "
-        f"over {_DRIVERS.get(driver, f'the {driver}')}: it describes the gap, not its cause"
+        f"an empirical term on the {place} over {_DRIVERS.get(driver, f'the {driver}')} explains "
+        f"{explained:.0f} % of the remaining gap: it describes the gap, not its cause"
     ]
     if cause.driver == FREQUENCY:
         swing = cause.oscillation

@@ -92,7 +92,8 @@ class _Drawing:
         from bokeh.models import BoxZoomTool, PanTool, ResetTool, WheelZoomTool
         from bokeh.plotting import figure
 
-        (ends, crosshair, *cursors), zoom = self._axis(panel), BoxZoomTool()
+        ends, crosshair, *cursors = self._axis(panel)
+        zoom = BoxZoomTool()
         labels = {*(x.label for x in panel.lines), *(x.label for x in panel.marks)} - {""}
         fig = figure(
             height=_HEIGHT + _ROW * math.ceil(len(labels) / panel.columns),
@@ -119,8 +120,9 @@ class _Drawing:
         others = [glyph for glyph in fig.renderers if glyph not in bands]
         fig.renderers = [*reversed(bands), *others]  # the band of the first line is on top
         for text, x, y in panel.texts:
-            is_left = panel.xlim is not None and x > np.mean(panel.xlim)
-            side = {"text_align": "right", "x_offset": -5} if is_left else {}
+            # a text in the right half goes to the left of its point
+            is_right_half = panel.xlim is not None and x > np.mean(panel.xlim)
+            side = {"text_align": "right", "x_offset": -5} if is_right_half else {}
             fig.text([x], [y], [_plain(text)], **_TEXT | side)
         for axis in fig.axis:
             axis.update(minor_tick_line_color=None, axis_label_text_font_style="normal")
@@ -162,7 +164,7 @@ class _Drawing:
     def _line(self, fig: Any, line: Line) -> tuple[Any, list[str]]:
         """Draw a line, its band and the values behind a mean, as one entry of the legend.
 
-        Return the glyph of the line, None for mere points, and a list of its name and the names of
+        Return the glyph of the line, or of its points, and a list of its name and the names of
         its columns: values, lower bounds, upper bounds.
         """
         band = [np.asarray(end, float) for end in line.band or ()]

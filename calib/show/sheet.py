@@ -29,7 +29,7 @@ class Sheet:
     panels : all panels; a panel that ``rows`` does not name is drawn only alone.
     rows : names of the panels in each row of the page, () for one panel a row. All rows have as
         many places; a panel that spans several places is named in each of them.
-    heights : height of each row, over 2.5 in; a single value is for all rows.
+    heights : height of each row in units of 2.5 in; a single value is for all rows.
     title, note : text above the panels and below them.
     result : the answer in short, below the title.
     """
@@ -64,11 +64,11 @@ class Sheet:
             height = min(2.5 * sum(heights) + 0.8, HEIGHT)
             figure = Figure(figsize=(WIDTH, height), layout="constrained")
             axes = figure.subplot_mosaic([list(row) for row in rows], height_ratios=heights)
-            legends = {name: panels[name].draw(ax) for name, ax in axes.items()}
+            legend_heights = {name: panels[name].draw(ax) for name, ax in axes.items()}  # [points]
             for letter, (name, ax) in zip(ascii_letters, axes.items(), strict=False):
                 row = next(row for row in rows if name in row)
                 # the titles of a row are at one height, above its highest legend
-                room = max(legends[beside] for beside in row)
+                room = max(legend_heights[beside] for beside in row)
                 title = panels[name].title
                 ax.set_title(f"({letter}) {title}" if len(axes) > 1 else title, pad=4.0 + room)
                 if name in unlabelled:
@@ -92,7 +92,7 @@ class Sheet:
     ) -> Figure:
         """Draw the panel ``name`` alone, in a ``size`` of width and height [in].
 
-        ``parts`` are those of the `envelope` of a long line. Raises KeyError for an unknown name.
+        A long line is drawn as an `envelope` of ``parts``. Raises KeyError for an unknown name.
         """
         from matplotlib.figure import Figure
 
@@ -106,7 +106,7 @@ class Sheet:
 
 
 def rows_of(names: Sequence[str], columns: int) -> tuple[tuple[str, ...], ...]:
-    """Return rows with so many ``columns`` of the panels; the last panel fills its row.
+    """Return the ``names`` in rows of ``columns`` places; the last name fills its row.
 
     >>> rows_of(["a", "b", "c"], 2)
     (('a', 'b'), ('c', 'c'))

@@ -73,7 +73,7 @@ class _Stop:
 
     @cached_property
     def drawn(self) -> Mask:
-        """Samples of the braking (n,), and of `_AROUND` before and after; all of no braking."""
+        """Samples of the braking (n,) and `_AROUND` around it; all samples if nothing brakes."""
         torque, time = np.asarray(self.columns["ecu_brake_torque_sum"]), self.time
         braked = time[torque > _BRAKED * np.max(torque)]
         first, last = (braked[0], braked[-1]) if braked.size else (time[0], time[-1])
@@ -232,7 +232,7 @@ def _torque_panel(stop: _Stop) -> Panel:
 
 
 def _pad_panel(stop: _Stop) -> Panel:
-    """Return the panel of the pads (Fig. 9): the ECU, the best estimate, before the stop, truth."""
+    """Return the panel of the pads (Fig. 9): of the ECU, the best estimate, the ramp, the truth."""
     lines, thin_lines, shown = list[Line](), list[Line](), list[Array]()
     for axle, look in _STROKES.items():
         pad, low, high = (stop.where_valid(f"ecu_pad_friction_{axle}{end}") for end in ENDS)
@@ -272,7 +272,7 @@ def _force_panel(stop: _Stop) -> Panel:
 def _slip_panel(stop: _Stop) -> Panel:
     """Return the panel of eta - 1, and of the slip of the axles where v is known.
 
-    Its y axis shows the valid values, but the outermost 0.5 %.
+    Its y axis spans the valid values, without the 0.5 % at either end.
     """
     slips = zip(AXLE_NAMES.values(), stop.slips or (), _STROKES.values(), strict=False)
     shown = [(f"{axle} slip", slip, look) for axle, slip, look in slips]

@@ -1,4 +1,4 @@
-"""Find the columns for the car's speed, acceleration and pressure, and those by name alone."""
+"""Find the columns of speed, acceleration and pressure, and those that only a name can tell."""
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from calib.run.pressure_delay import pressure_delay
 from calib.suggest.columns import ColumnClock, Search, Series, best_correlation, correlation
 from calib.suggest.words import axle_of, has_word, score, wheel_of
 
-_LEAST = 0.8  # lowest correlation [1] with the derivative of speed, of a_x and of a brake pressure
+_LEAST = 0.8  # lowest correlation [1]: a_x with dv/dt, a pressure with the deceleration
 _LEAST_WITH_WHEELS = 0.98  # lowest correlation [1] of the speed of the car with that of its wheels
 _PRESSED = 2e5  # smallest range of a brake pressure [Pa] in a log with braking
 _SLOPES = (0.4, 2.5)
@@ -30,9 +30,10 @@ def _score(name: str, channel: str) -> int:
 
 
 def _choose(search: Search, channel: str, passed: list[Series], several: str) -> Series | None:
-    """Choose the canonical name, else the best name of the columns with half the highest rate.
+    """Choose the canonical name, else the best name of columns that are about as fast as the best.
 
-    If several columns are as good, ask the user with the reason ``several``.
+    These have at least half the rate of the fastest column with a fitting name. If several columns
+    are as good, ask the user with the reason ``several``.
     """
     scores = {s.name: _score(s.name, channel) for s in passed}
     measured = [s for s in passed if scores[s.name] > 0 and not has_word(s.name, "derived")]

@@ -83,7 +83,7 @@ class ColumnClock(NamedTuple):
         return centred_mean(x, self.width(SMOOTH) | 1)
 
     def rate_of(self, speed: Array) -> Array:
-        """Derivative of a speed (n,), smoothed over `SMOOTH` [unit/s]."""
+        """Derivative of a speed (n,) [unit/s], smoothed over `SMOOTH` before and after."""
         return self.smooth(np.gradient(self.smooth(speed), self.time))
 
 
@@ -120,8 +120,8 @@ def best_correlation(x: Array, rate: Array, clock: ColumnClock) -> float:
 Radii = tuple[float, float]
 """Radii [m] of front and rear wheels, with which a car computes speeds at the rim."""
 GIVE_RADIUS = (
-    "give the radius with which the car computes them: --radius 0.31, twice where front and rear "
-    "have others"
+    "give the radius with which the car computes them: --radius 0.31; give it twice, front then "
+    "rear, if they differ"
 )
 
 SURE, LIKELY = "sure", "likely"
@@ -169,6 +169,7 @@ class Search:
     unused: dict[str, str]  # reason against a column, by its name
     user_specified: dict[str, str]  # source by channel, as the user wrote it
     radii: Radii | None
+    # by channel; those of the user are entered at the start, not by `propose`
     proposals: dict[str, Proposal] = field(default_factory=dict)
     doubts: list[Doubt] = field(default_factory=list)
     clock: ColumnClock | None = None
@@ -194,7 +195,7 @@ class Search:
             self.doubts.append(Doubt(channel, tuple(s.name for s in candidates), why, do))
 
     def values_of_user(self, channel: str) -> Array | None:
-        """The values [SI] of the column that the user gave for a channel, or None."""
+        """The values (n,) of the column that the user gave for a channel, in SI, or None."""
         proposal = self.proposals.get(channel)
         source = proposal.mapping.source if proposal else None
         item = next((s for s in self.series if s.name == source), None)

@@ -167,7 +167,7 @@ class WrittenMap:
 
     axes: dict[str, Written]
     columns: dict[str, Written]
-    misfit: dict[str, Misfit]  # by axis: the place of the largest error is on that axis
+    misfit: dict[str, Misfit]  # by axis, with the place of the largest error on this axis
 
 
 def written_map(whole: Map, how: Precision, label: str) -> WrittenMap:
@@ -185,10 +185,9 @@ def written_map(whole: Map, how: Precision, label: str) -> WrittenMap:
 
 
 def _rows(whole: Map, i: int, points: int | None) -> Index:
-    """Return the values of axis ``i`` to keep, for all columns that are read.
+    """Return the rows of axis ``i`` to keep, for all columns that are read.
 
-    The square of an error has the weight of the share of stops in its cell, over the square of the
-    width of the bounds there.
+    Squared errors are weighted by (share of stops in the cell)/(width of its bounds)^2.
     """
     x = list(whole.axes.values())[i]
     if points is None:

@@ -9,8 +9,8 @@
 
 The channels have a clock of 20 ms. The noise of each channel is an AR process fitted to the
 unbraked parts. With it the residuals are whitened: the innovations are white with variance 1 if the
-model is right. The drift of v is a random walk under white noise; the filter that whitens it, with
-the shift B by a sample, is (1 - B)/(1 - 0.9 B).
+model is right. The residual of v is white noise plus a random walk, its drift; (1 - B)/(1 - 0.9 B)
+whitens it, where B delays by a sample.
 """
 
 from dataclasses import dataclass, replace
@@ -42,7 +42,7 @@ _OF_WHEELS = np.array(
 _FLOOR = (0.005, 0.003, 0.005, 0.003, 0.003, 0.003)
 """Lower limits of the innovations' sd (6,), in the channels' units: a simulation has no noise."""
 STEP = 0.02  # clock of the channels [s]
-ORDER = 3  # order of the AR noise: noise of a road, with 0.1 s, needs two to three at 50 Hz
+ORDER = 3  # order of the AR noise: a road, correlated over 0.1 s, needs 2 to 3 at 50 Hz
 WALK = 0.9  # pole of the whitening filter of v: a drift of a tenth of the noise per step
 LONG = 10 * ORDER  # least samples of an unbraked part that shows noise: ten for each coefficient
 _PARABOLA = 3  # coefficients of the parabola that is taken out of every unbraked part
@@ -120,6 +120,7 @@ def _freedom_of_drift(size: int) -> float:
     A whitened sample is the sum of the responses to all samples of the noise up to it. The response
     to the first sample of the log has another shape than those to later ones.
     """
+    # squared responses to a unit impulse in the first sample, and in the second as in later ones
     first, later = _whitened_drift(np.eye(2, size)) ** 2
     of_parabola = np.sum(_whitened_drift(_parabola(size).T) ** 2, axis=0)
     return float(np.sum((first + np.cumsum(later) - of_parabola)[ORDER - 1 :]))

@@ -2,8 +2,9 @@
 
     state --predict--> innovations r      r + J dx + F df + N du      one linear model
 
-x are base, effects and walk, f the discrepancies of the tyres, u the random effects of a log. J, F
-and N are finite differences; the evidence is that of the linear model (Laplace's).
+x are base parameters, effects and knots of a term, f the discrepancies of the tyres, u the random
+effects of a log. J, F and N are finite differences; the evidence is that of the linear model
+(Laplace's).
 """
 
 import math
@@ -78,7 +79,7 @@ class Fit:
 
     @property
     def scatter(self) -> float:
-        """Standard deviation of `mean_square` if only noise is left, of estimated size [1]."""
+        """Standard deviation of `mean_square` [1] if noise of an estimated size is left alone."""
         freedom = len(CHANNELS) * self.problem.noise.freedom
         return math.sqrt(2.0 / self.count + 2.0 / freedom)
 
@@ -89,7 +90,7 @@ class Fit:
 
     @property
     def scaled_random_effects(self) -> Array:
-        """Random effects (runs, j) in their standard deviations, those that are not zero."""
+        """Random effects over their standard deviations (runs, j), where these are not 0."""
         S = self.hypothesis.sigmas
         return np.asarray(self.state.random_effects[:, S > 0.0] / S[S > 0.0])
 
@@ -115,7 +116,7 @@ class Fit:
         return bool(base @ self.prior.precision @ base > _UNUSUAL * np.sum(is_base))
 
     def worth_of(self, name: str) -> float:
-        """Gain of ln of the evidence by the strength of an effect, without price, if linear."""
+        """Gain of ln of the evidence by an effect in the linear model, without its price."""
         i = int(np.argmax(self.prior.effect_names == name))
         return float(0.5 * self.state.x[i] ** 2 / self.covariance[i, i])
 
@@ -239,14 +240,15 @@ def with_columns(fit: Fit, near: Sequence[Array] = ()) -> Fit:
     ``near`` are columns of each log at a state nearby, which may have fewer elements of x. The
     columns by these elements and by the discrepancy are then taken from ``near``.
     """
-    state, m, k = fit.state, fit.state.x.size, fit.state.discrepancy.size
-    count = len(near[0]) - k if near else 0  # of the elements of x that ``near`` has
+    state, m, size = fit.state, fit.state.x.size, fit.state.discrepancy.size  # size is 2 k
+    count = len(near[0]) - size if near else 0  # of the elements of x that ``near`` has
     steps = np.where(state.x + _STEP < fit.prior.high[:m], _STEP, -_STEP)
     moved = [replace(state, x=state.x + step) for step in np.diag(steps)[count:]]
     by_further = _differences(fit, moved, steps[count:])
     columns = []
     for at_near, further in zip(near if near else _by_discrepancy(fit), by_further, strict=True):
-        by_discrepancy = fit.hypothesis.has_discrepancy * at_near[-k:]  # or zero
+        # zero if the hypothesis has no discrepancy
+        by_discrepancy = fit.hypothesis.has_discrepancy * at_near[-size:]
         columns.append(np.vstack([at_near[:count], further, by_discrepancy]))
     if FADE in fit.effects:
         heat = random_derivatives(fit, (FRONT_HEAT, REAR_HEAT))

@@ -174,6 +174,7 @@ def find_logs(arguments: Iterable[str], out: Path) -> Iterator[str]:
     """
     results = os.path.realpath(out / NAME)
     for argument in arguments:
+        # the name of a log gets a row even if the file is missing
         is_pattern = glob.has_magic(argument) or not _is_log(argument)
         matches = [argument]
         if is_pattern and not os.path.exists(argument):

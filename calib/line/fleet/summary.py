@@ -89,7 +89,7 @@ class Summary:
     status: dict[Status, int]  # number of logs
     failed: dict[str, str]  # limits not held by each log that fails; "" if they are not known
     metrics: tuple[MetricSummary, ...]
-    outliers: dict[str, list[Outlier]]  # by log, in the order of p; of a log, the least p first
+    outliers: dict[str, list[Outlier]]  # by log; logs, and metrics of a log, with rising p
     failures: tuple[_Failure, ...]
     copies: list[list[str]]  # groups of logs that are the same recording
 
