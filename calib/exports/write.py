@@ -114,11 +114,11 @@ def _cells(grid: Grid) -> Iterator[tuple[str | float | None, ...]]:
     none = np.full(grid.values.size, None)
     columns = (grid.values, *(grid.bounds or (none, none)), grid.count, grid.flag)
     numbers = zip(*((none if x is None else x).tolist() for x in columns), strict=True)
-    for place, (value, *rest) in zip(places, numbers, strict=True):
+    for place, (value, *of_curve) in zip(places, numbers, strict=True):
         (axis, x), *more = place
         missing = [None] * (2 * (MOST_AXES - len(place)))
         further = [*(cell for pair in more for cell in pair), *missing]  # axis_2, x_2, axis_3, x_3
-        yield (grid.label, axis, x, value, grid.unit, *rest, grid.meaning, *further)
+        yield (grid.label, axis, x, value, grid.unit, *of_curve, grid.meaning, *further)
 
 
 def _write_csv(data: Dataset) -> bytes:

@@ -45,6 +45,8 @@ def test_another_kind_is_named(tmp_path, ending, data, says):
 def test_a_table_that_begins_with_a_word_of_another_kind_is_a_table():
     refuse_other_kind(b"date time [s],v [m/s]\n0.0,20.5\n", ".csv", "run.csv")
     refuse_other_kind(b"(time),v [m/s]\n0.0,20.5\n", ".csv", "run.csv")
+    refuse_other_kind(b"Logger: unit 7\ntime [s],v [m/s]\n", ".csv", "run.csv")
+    refuse_other_kind(b"MATLAB export\ntime [s],v [m/s]\n", ".csv", "run.csv")
 
 
 @pytest.mark.parametrize(
