@@ -142,7 +142,10 @@ def test_two_taps_tell_what_is_at_both_and_the_difference(browser, page):
     panel = browser.find_elements("css selector", ".live")[0]
     for right in (-60, 100):
         ActionChains(browser).move_to_element_with_offset(panel, right, 20).click().perform()
-    text = ask(browser, "document.querySelector('output').innerText")
+    # a busy machine shows the difference some time after the second tap
+    text = WebDriverWait(browser, 30).until(
+        lambda _: ask(browser, "document.querySelector('output')?.innerText")
+    )
     (a, b, b_less_a), *_, (first, last, difference) = (
         map(float, re.findall(r"-?[\d.]+(?=$| to|,)", line)) for line in text.splitlines()
     )
