@@ -39,9 +39,9 @@ def check(logs: list[Path] = argument("Logs to check.", "LOG..."), *, channel_ma
     for _, reason in failed:
         print_error(str(reason))
     document: dict[str, object] = {"error": failed[0][1].to_dict()} if failed else {}
-    document["logs"] = [to_dict(found) for found in findings]
+    document["logs"] = [to_dict(finding) for finding in findings]
     document["unreadable"] = [{"source": path, "error": str(reason)} for path, reason in failed]
-    code = 0 if all(found.usable for found in findings) else FAILED
+    code = 0 if all(finding.usable for finding in findings) else FAILED
     return Answer(document, check_facts(findings), UNREADABLE if failed else code)
 
 

@@ -29,6 +29,7 @@ from calib.table.table import Table, Value
 
 _LOGS = ("peak", "cg_to_front_axle", "cg_height")  # the prior is of their logarithms
 _NONLINEAR = ("load_exponent", "peak_load_exponent", "peak", "log_pad_ratio", *_LOGS[1:])
+_PAD_RATIO = _NONLINEAR.index("log_pad_ratio")
 NAMES = (*["form"] * len(FORMS), *_NONLINEAR, "compliance", "log_tyre_ratio", "radius_load")
 """Names of the coordinates in their order: tyre forms, other nonlinear ones, and linear ones."""
 
@@ -132,8 +133,7 @@ def _amounts() -> tuple[Array, Array]:
 def _cars(y: Array) -> Ensemble:
     """Return cars of nonlinear coordinates ``y`` (n, DRAWN), with linear parameters of 1."""
     columns = y[:, len(FORMS) :].copy()
-    ratio = _NONLINEAR.index("log_pad_ratio")
-    columns[:, ratio] = np.interp(columns[:, ratio], *_tails())
+    columns[:, _PAD_RATIO] = np.interp(columns[:, _PAD_RATIO], *_tails())
     values = dict(zip(_NONLINEAR, (CENTRE + WIDTH * columns).T, strict=True))
     values |= {name: np.exp(values[name]) for name in _LOGS}
     values |= dict.fromkeys(("compliance_f", "compliance_r", "radius_load"), np.ones(len(y)))
@@ -149,8 +149,7 @@ def _coordinates(e: Ensemble) -> Array:
     forms = np.interp(np.log(np.maximum(amounts, 1e-30)), *_amounts()[::-1])
     values = vars(e) | {name: np.log(getattr(e, name)) for name in _LOGS}
     nonlinear = (np.stack([values[name] for name in _NONLINEAR], axis=1) - CENTRE) / WIDTH
-    ratio = _NONLINEAR.index("log_pad_ratio")
-    nonlinear[:, ratio] = np.interp(nonlinear[:, ratio], *_tails()[::-1])
+    nonlinear[:, _PAD_RATIO] = np.interp(nonlinear[:, _PAD_RATIO], *_tails()[::-1])
     return np.hstack([forms, nonlinear, np.linalg.solve(_TO_LINEAR, (e.linear - _LINEAR).T).T])
 
 

@@ -78,7 +78,7 @@ def _compared_blocks(run: Run) -> slice:
     bite = rolled[-1] + 1
     first = max(rolled[0], bite - round(_ROLLED / b.length))
     last = min(bite + round(_BRAKED / b.length), b.end.size)
-    latest = min(run.slipping.first if run.slipping else np.inf, b.end[-1] - _LONGEST)
+    latest = min(run.first_slip, b.end[-1] - _LONGEST)
     unusable = (b.speed < MOVING) | (np.abs(b.z) > GREATEST_Z) | (b.end > latest)
     unusable[bite] |= not np.any((b.p_f + b.p_r)[first:last] > 0.0)
     stops = np.flatnonzero(unusable[first:last])
@@ -87,10 +87,9 @@ def _compared_blocks(run: Run) -> slice:
 
 def _signals(run: Run, compared: slice) -> Array:
     """Time, speed, z, pressure, and I at each tried delay, in the compared blocks (4 + m, n)."""
-    b, car = run.blocks, run.car
-    rim = 0.5 * (car.front.rolling_radius * b.omega_f + car.rear.rolling_radius * b.omega_r)
-    speed = rim if b.v is None else b.v
-    lost = G * b.length * (np.cumsum(b.z) - 0.5 * b.z)  # I
+    b = run.blocks
+    speed = b.rim_speed(run.car) if b.v is None else b.v
+    lost = b.speed_lost(b.z)  # I
     shifted = (np.interp(b.end[compared] + delay, b.end, lost) for delay in _TRIED)
     return np.array([*(x[compared] for x in (b.end, speed, b.z, b.p_f + b.p_r)), *shifted])
 

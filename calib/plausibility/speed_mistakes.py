@@ -166,8 +166,7 @@ class _Means(NamedTuple):
     @classmethod
     def of_run(cls, run: Run) -> "_Means":
         d, size = run.driving, samples_in(SMOOTHING, run.driving.step)
-        end = run.slipping.first if run.slipping else math.inf
-        inside = d.moving & (d.z > -DRIVEN_Z) & (d.z < GREATEST_Z) & (d.time < end)
+        inside = d.moving & (d.z > -DRIVEN_Z) & (d.z < GREATEST_Z) & (d.time < run.first_slip)
         use = block_mean(np.where(inside, 1.0, 0.0), size) == 1.0
         time, lost = d.time - d.time[0], G * integral(d.time, d.z)
         pairs = [(delay, 0.0) for delay in (0.0, *_LATE)] + [(0.0, rate) for rate in _RATES]

@@ -120,8 +120,8 @@ def _axle_words(alone: str | None) -> dict[str, str]:
 
 def a_x_follows(evidence: Evidence) -> Iterator[Measured]:
     """Size of the correlation of a_x with the wheels' deceleration before a wheel slips [1]."""
-    driving, slipping = evidence.run.driving, evidence.run.slipping
-    use = driving.moving & (driving.time < (slipping.first if slipping else np.inf))
+    driving = evidence.run.driving
+    use = driving.moving & (driving.time < evidence.run.first_slip)
     for start, length in evidence.run.clock.gaps:  # means across a gap are of neither side
         middle, reach = start + 0.5 * length, 0.5 * length + LIMITS.slope_time
         use &= np.abs(driving.time - middle) > reach
@@ -212,14 +212,13 @@ def a_x_by_wheels(evidence: Evidence) -> Iterator[Measured]:
     if run.clock.gaps:
         return
     car, (mean, sigma, *_) = run.car, CAR.compliance
-    rim = 0.5 * (car.front.rolling_radius * b.omega_f + car.rear.rolling_radius * b.omega_r)
+    rim = b.rim_speed(car)
     time = b.end - b.end[rolled[-1]]
     rolling_rate, rim_at_start = np.polyfit(time[rolled], rim[rolled], 1)
     z = np.where(time > 0.0, b.z - np.mean(b.z[rolled]) - rolling_rate / G, 0.0)
-    lost_by_a_x = G * b.length * (np.cumsum(z) - 0.5 * z)  # up to the middle of a block, as rim
+    lost_by_a_x = b.speed_lost(z)
     lost = rim_at_start - rim / (1.0 - mean * np.clip(z, 0.0, 1.0))
-    end = run.slipping.first if run.slipping else np.inf
-    use = np.flatnonzero((time > 0.0) & (b.end < end) & (rim > MOVING) & (lost > MOVING))
+    use = np.flatnonzero((time > 0.0) & (b.end < run.first_slip) & (rim > MOVING) & (lost > MOVING))
     if use.size:
         errors = np.hypot(rim * sigma * z, _OTHER_SLOPE * G * time)[use] / lost[use]
         best, usual = use[np.argmin(errors)], LOG.a_x_scale

@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.base.names import AXLES
+from calib.base.names import AXLES, G
 from calib.car.balance import ForceBalance, force_balance
 from calib.car.braking import BITE
 from calib.car.effects.effects import Effects
@@ -35,6 +35,15 @@ class Blocks(AxleSignals):
     def eta(self) -> Array:
         """Eta of (22), not zeroed [1]; 1 where the front wheels stand."""
         return eta_of(self.omega_f, self.omega_r)
+
+    def rim_speed(self, car: Vehicle) -> Array:
+        """Mean speed of the rims of both axles of a ``car`` [m/s]."""
+        radius_f, radius_r = car.front.rolling_radius, car.rear.rolling_radius
+        return 0.5 * (radius_f * self.omega_f + radius_r * self.omega_r)
+
+    def speed_lost(self, z: Array) -> Array:
+        """Speed that a deceleration ``z`` [1] takes off up to the middle of each block [m/s]."""
+        return G * self.length * (np.cumsum(z) - 0.5 * z)
 
 
 def blocks(s: Signals) -> Blocks:

@@ -10,6 +10,7 @@
 Without a vehicle there are the views of the first line, and signals and blocks as read.
 """
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -165,6 +166,11 @@ class Run:
     def slipping(self) -> Slipping | None:
         """ABS cycles and locked wheels."""
         return slipping(self.slips, self.driving) if self.has_motion_channels else None
+
+    @property
+    def first_slip(self) -> float:
+        """Time at which a wheel first slips deeply [s]; infinite where none is known to."""
+        return self.slipping.first if self.slipping else math.inf
 
     @cached_property
     def axles(self) -> Axles | None:

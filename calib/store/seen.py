@@ -82,7 +82,7 @@ class SeenJournals:
                 if current.note or any(old.lines >= lines for old in replaced):
                     return current.note
                 others = [old for old in current.journals if old not in replaced]
-                journals = [seen._asdict() for seen in (*others, latest)]
+                journals = [journal._asdict() for journal in (*others, latest)]
                 document = {"schema": 1, "seen": journals}
                 write_whole(self.path, (json.dumps(document, indent=2) + "\n").encode())
         except OSError as error:

@@ -100,8 +100,10 @@ class Snapshot:
         states = {v: self.journal.word(name, v) for v in self.journal.versions(name)}
         allowed = (RELEASED,) if released else (RELEASED, DRAFT)
         usable = [version for version, word in states.items() if word in allowed]
-        if usable or not states:  # a name without versions in the journal has strays, refused here
-            return self.load(name, max(usable or versions_in(self.folder / name)))
+        if not states:  # all versions of the name are strays, which `load` refuses
+            return self.load(name, max(self.with_strays(name)))
+        if usable:
+            return self.load(name, max(usable))
         kind, do = "usable", f"name the one that you mean, such as {name}@{max(states)}"
         if released:
             kind, do = "released", f"release one: `brake-cal tables release {name}@N --reason ...`"

@@ -25,9 +25,9 @@ def delayed(log, by):
 @pytest.mark.parametrize("kind", LOGS)
 def test_a_delay_of_a_x_is_measured(kind, by, absent):
     log = without(delayed(LOGS[kind], by), *absent)
-    found = acceleration_delay(Run(log, CAR))
-    assert found.value == pytest.approx(by, abs=0.06)
-    assert found.against == ("the wheel speeds" if absent else "v")
+    measured = acceleration_delay(Run(log, CAR))
+    assert measured.value == pytest.approx(by, abs=0.06)
+    assert measured.against == ("the wheel speeds" if absent else "v")
     assert [one.code for one in broken((a_x_late,), Evidence(Run(log, CAR)))] == (
         ["a_x_late"] if by else []
     )

@@ -112,7 +112,7 @@ def test_wheel_pressures_of_an_axle_are_alike(scale, zero, codes):
 
 
 @pytest.mark.parametrize(
-    ("step", "scatter", "noise", "told"),
+    ("step", "scatter", "noise", "codes"),
     [
         (-0.08, 0.01, 0.0, ["force_step"]),
         (0.08, 0.02, 0.0, []),
@@ -120,9 +120,9 @@ def test_wheel_pressures_of_an_axle_are_alike(scale, zero, codes):
         (0.08, 0.01, 0.002, []),  # 3.2 * 0.002 / 0.3 is 0.021
     ],
 )
-def test_a_step_of_the_force_stands_out_of_its_scatter_and_of_the_noise(step, scatter, noise, told):
+def test_a_step_of_the_force_stands_out_of_its_scatter_and_the_noise(step, scatter, noise, codes):
     blocks = SimpleNamespace(p_f=np.full(9, 2e6), p_r=np.zeros(9), speed=np.full(9, 20.0))
     blocks.z = np.full(9, 0.3)
     run = SimpleNamespace(vehicle=True, blocks=blocks, lead_in_noise=SimpleNamespace(z=noise))
-    seen = response(force_step=_ForceStep(4.0, step, scatter))
-    assert [one.code for one in broken([force_step], Evidence(run, response=seen))] == told
+    stepped = response(force_step=_ForceStep(4.0, step, scatter))
+    assert [one.code for one in broken([force_step], Evidence(run, response=stepped))] == codes

@@ -68,9 +68,9 @@ def test_a_friction_that_no_pad_has_is_refused(factor):
 
 @pytest.mark.parametrize(("apart", "sigma", "named"), [(0.2, 0.05, 1), (0.2, 0.2, 0), (0.04, 0, 0)])
 def test_pads_that_changed_apart(apart, sigma, named):
-    found = rule_warnings("log", change_figures((0.0, 0.02), (apart, sigma)))
-    assert len(found) == named
-    assert all(one.measured == pytest.approx(math.expm1(apart)) for one in found)
+    warnings = rule_warnings("log", change_figures((0.0, 0.02), (apart, sigma)))
+    assert len(warnings) == named
+    assert all(one.measured == pytest.approx(math.expm1(apart)) for one in warnings)
 
 
 @pytest.mark.parametrize(
@@ -79,9 +79,9 @@ def test_pads_that_changed_apart(apart, sigma, named):
     ids=["heavier", "lighter", "unsure", "as usual", "soaked pads"],
 )
 def test_brakes_that_another_load_or_sensor_makes_seem_changed(level, sigma, named):
-    found = rule_warnings("log", change_figures((level, sigma), (0.0, 0.02)), VALIDATE)
-    assert len(found) == named
-    for one in found:
+    warnings = rule_warnings("log", change_figures((level, sigma), (0.0, 0.02)), VALIDATE)
+    assert len(warnings) == named
+    for one in warnings:
         assert one.measured == pytest.approx(math.expm1(level))
         assert one.causes[0].startswith("more load" if level < 0.0 else "less load")
         assert "--mass" in one.do
