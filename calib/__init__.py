@@ -1,22 +1,22 @@
 """Calibration of a brake-torque estimator from one ramped braking run.
 
-The steps of the workflow are imported from here; each has an example.
+The steps of the workflow are imported from here. Each function has an example.
 
     read_log ──> check       what is in a log, and what it is good for
              ──> fit ──> Store ──> export     from ramps to a table, and to an ECU
              ──> estimate, validate           a table on other logs
              ──> diagnose ──> simulate        where model and car disagree, and why
 
-Arguments have one order: first the car (a vehicle, a table or a version of it in a store), then its
-logs; options go by name.
+The first argument is the car: a vehicle, a table, or a version of a table in a store. The logs
+follow. Options are given by name.
 
 >>> import calib
 >>> folder = calib.sample_logs() / "simulation_study"
 >>> car = calib.read_vehicle(folder / "vehicle.toml")
->>> ramp, stop = (calib.read_log(folder / f"{x}_noisy.parquet") for x in ("ramp", "stop"))
+>>> ramp, stop = (calib.read_log(folder / f"{run}_noisy.parquet") for run in ("ramp", "stop"))
 >>> table = calib.fit(car, [ramp])
 >>> f1, f2 = table.f1(1.002), table.f2(1.002)  # eta = 1.002
->>> pads = table.map(0.3, 0.01, 0.0)  # z, (eta - 1)/z, slip in standard deviations from the usual
+>>> pads = table.map(0.3, 0.01, 0.0)  # z = 0.3, (eta - 1)/z = 0.01, and the usual slip
 >>> bool(f2 < 0.0 < f1), bool(pads["ratio_lower"] < pads["ratio"] < pads["ratio_upper"])
 (True, True)
 >>> list(table.curves())[:3]
@@ -27,7 +27,7 @@ True
 >>> frame = calib.estimate(table, stop).to_frame()
 >>> bool(frame[frame.valid].brake_torque_fl.max() > 0.0), frame.attrs["units"]["brake_torque_fl"]
 (True, 'N*m')
->>> figure = result.plot()  # in a notebook each result is shown as its page, too
+>>> figure = result.plot()  # a notebook shows the page of each result, too
 """
 
 from collections.abc import Callable
@@ -69,8 +69,7 @@ _HOMES = {
     "simulate": "calib.model.simulate",
     "validate": "calib.estimation.validate",
 }
-"""The module of each name, which is imported when the name is used first: so ``import calib`` is
-fast."""
+"""The module of each name. It is imported when the name is first used: ``import calib`` is fast."""
 
 __all__ = [*_HOMES]
 
@@ -80,6 +79,7 @@ def _view(name: str) -> Callable[[Viewable], Any]:
     return lambda result: getattr(import_module("calib.show.notebook"), name)(result)
 
 
+# a result calls these for its picture and its page
 Viewable.views.update(plot=_view("plot"), page=_view("page"))
 
 

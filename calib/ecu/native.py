@@ -25,7 +25,7 @@ from calib.estimation.online import ANSWERS, READ_OUT, rows_of, samples_of
 from calib.estimation.readout import Bounded, Readout
 from calib.estimation.validate import Coded
 from calib.logs.log import Log
-from calib.store.version import unstored
+from calib.store.version import as_version
 from calib.table.exported import Precision
 from calib.table.table import Table
 
@@ -53,7 +53,7 @@ class Native:
 
     def __init__(self, table: Table, sample_time: float, how: Precision) -> None:
         self.real = np.dtype(f"f{how.floating // 8}")
-        cc, files = compiler(), sources(unstored(table), sample_time, how, "here")
+        cc, files = compiler(), sources(as_version(table), sample_time, how, "here")
         files["bte_run.c"] = source("bte_run.c")
         with TemporaryDirectory() as folder:
             for name, text in files.items():

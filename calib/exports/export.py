@@ -13,7 +13,7 @@ from calib.exports.addresses import find_addresses
 from calib.exports.build import build
 from calib.exports.dataset import Dataset
 from calib.exports.write import FORMATS
-from calib.store.version import Stored, unstored
+from calib.store.version import Stored, as_version
 from calib.table.table import Table
 
 ENDINGS = {name: form.ending for name, form in FORMATS.items()}  # of files, by format
@@ -159,7 +159,7 @@ def export(
     >>> written.form, written.data.stored.id, [len(axis.values) for axis in written.data.axes[:2]]
     ('dcm', 'sedan-sim@0', [16, 16])
     """
-    stored = unstored(table)
+    stored = as_version(table)
     require_handed_out(stored, without_effects, unreleased=unreleased)
     path = Path(path)
     form = _form_of(path, form)

@@ -10,14 +10,18 @@ from calib.store.state import Evidence
 from calib.store.version import Stored
 
 CONSISTENT = "consistent, not proved"
-"""Verdict of a passed validation without truth and speed v, which can miss errors of the table."""
+"""Verdict of a validation that passed, but could have missed errors of the table.
+
+Its logs have neither true torques nor the speed v.
+"""
 
 
 def read_evidence(path: Path, stored: Stored) -> tuple[Evidence, str]:
     """Return the evidence, and its verdict: "passed", "warning", "failed" or `CONSISTENT`.
 
     Raises ExchangeError for a file that is neither a `summary.json` of `validate --out` nor a
-    `station.json`, that is of another version than ``stored``, or that has no hold-out.
+    `station.json`, for evidence on another version than ``stored``, and for a summary without a
+    hold-out. (A station always has hold-outs.)
     """
     data = bytes_of(path, VALIDATION, ExchangeError, "a summary.json or a station.json")
     verdict = _station_verdict(data, path, stored)
@@ -46,7 +50,7 @@ def _validation_verdict(data: bytes, path: Path, stored: Stored) -> str:
 
 
 def _station_verdict(data: bytes, path: Path, stored: Stored) -> str | None:
-    """Return the verdict of a `station.json`, None for another kind. Raises ExchangeError."""
+    """Return the verdict of a `station.json`, None for any other file. Raises ExchangeError."""
     try:
         document = json.loads(data)
         verdict, table = document["verdict"], document["table"]
@@ -61,6 +65,6 @@ def _station_verdict(data: bytes, path: Path, stored: Stored) -> str | None:
 
 
 def _other_version(id_: str, digest: str, path: Path, stored: Stored) -> ExchangeError:
-    flaw = f"is of {id_}, digest {digest[:12]}"
-    expected = f"one of {stored.id}, digest {stored.digest[:12]}"
+    flaw = f"is evidence on {id_}, digest {digest[:12]}"
+    expected = f"evidence on {stored.id}, digest {stored.digest[:12]}"
     return ExchangeError(flaw, where=path, expected=expected, do="validate this version")

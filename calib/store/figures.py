@@ -1,4 +1,4 @@
-"""What people see of a stored table: its use, figures of a mean, effects, a row of the list."""
+"""Figures of a stored table for people: its use, those of a mean, effects, a row of the list."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -22,14 +22,14 @@ class _Usability:
     """Whether and where a version may be used in an ECU."""
 
     usable: bool
-    may: str  # yes or no, with the reason
-    decelerations: tuple[float, float]  # where the curves are valid [g]
-    ends: str  # what limits this range
-    next: str  # what to do, a command or a sentence
+    may: str  # yes or no, and the state
+    decelerations: tuple[float, float]  # range in which the curves are valid [g]
+    ends: str  # reason for the end of this range
+    next: str  # next step: a command or a sentence
 
 
 def usability(stored: Stored) -> _Usability:
-    """Return whether and where a version is usable."""
+    """Return whether and where a version may be used in an ECU."""
     state, quality = stored.state, stored.table.quality
     peak, end = quality.get("eta_peak_deceleration"), quality.get("deceleration_max")
     if peak is not None and quality.get("eta_peak_is_real"):
@@ -51,7 +51,7 @@ def usability(stored: Stored) -> _Usability:
 
 
 def verdict(stored: Stored) -> str:
-    """Return state, use and range of a version in one line."""
+    """Return state, use and range of a version, such as "sedan@1 is released, ..."."""
     uses = {DRAFT: "a draft, for trials only", RELEASED: "released, for an ECU"}
     word = stored.state.word
     if word not in uses:
@@ -62,7 +62,7 @@ def verdict(stored: Stored) -> str:
 
 @dataclass(frozen=True)
 class _MeanFigure:
-    """The mean of several cars, with two errors relative to the mean [1]."""
+    """The mean of several cars, with two errors relative to it [1]."""
 
     name: str
     value: float
@@ -79,15 +79,16 @@ def mean_figures(table: Table) -> tuple[_MeanFigure, ...]:
     if spread is None:
         return ()
     t95 = quantile95(spread.freedom)
-    row = int(np.argmax(np.abs(table.difference.D)))
+    row_of_peak = int(np.argmax(np.abs(table.difference.D)))
     eta, D = table.difference.peak
     pads = pad_levels(table.vehicle, table.calibration)
 
-    def figure(name: str, value: float, scatter: Scatter, scale: float = 1.0) -> _MeanFigure:
-        return _MeanFigure(name, value, t95 * scatter.of_mean / scale, scatter.between / scale)
+    def figure(name: str, value: float, scatter: Scatter, unit: float = 1.0) -> _MeanFigure:
+        return _MeanFigure(name, value, t95 * scatter.of_mean / unit, scatter.between / unit)
 
+    # the scatter of D is absolute; the others are of logarithms, and so relative already
     return (
-        figure(f"D at eta {eta:.5f}", D, spread.D[row], abs(D)),
+        figure(f"D at eta {eta:.5f}", D, spread.D[row_of_peak], abs(D)),
         figure("pad level", float(np.exp(pads.level)), spread.pad_level),
         figure("pad ratio", float(np.exp(pads.ratio)), spread.pad_ratio),
         figure("slip stiffness", table.calibration.slip_stiffness.value, spread.stiffness),
@@ -96,7 +97,7 @@ def mean_figures(table: Table) -> tuple[_MeanFigure, ...]:
 
 @dataclass(frozen=True)
 class _EffectFigure:
-    """A parameter of an effect."""
+    """A parameter of an effect. Its str() is a line for people."""
 
     effect: str
     name: str
@@ -132,7 +133,7 @@ ListedVersion = dict[str, Any]  # a row of the document of `tables list`
 
 
 def row_of(entry: StoreEntry) -> ListedVersion:
-    """Return the row of a version; for one that cannot be read, ``flaw`` says why.
+    """Return the row of a version; ``flaw`` says why the version cannot be read.
 
     ``date`` is when it was stored, ``pads`` the pad friction of front and rear [1],
     ``decelerations`` the range of the curves and ``usable`` that of their valid part [g],
@@ -163,6 +164,6 @@ def row_of(entry: StoreEntry) -> ListedVersion:
 
 
 def chosen(rows: Iterable[ListedVersion], **equal: str | None) -> list[ListedVersion]:
-    """Return the rows whose texts are ``equal``, in upper or lower case; None matches any text."""
+    """Return the rows whose texts are ``equal``, ignoring case; None matches any text."""
     wanted = {key: value.lower() for key, value in equal.items() if value is not None}
     return [row for row in rows if all(row[key].lower() == text for key, text in wanted.items())]

@@ -13,8 +13,9 @@ from calib.table.table import Table
 def released_cars(store: Store, vehicle: Vehicle, logs: Collection[str]) -> dict[str, Table]:
     """Return the newest released table of each car of the model of ``vehicle``, by name@version.
 
-    Left out are means, tables of ramps whose digests are in ``logs``, and tables with a prior from
-    other cars or a tyre file, whose evidence would count twice. Raises StoreError without a table.
+    A table is left out if its evidence would count twice: a mean, a table with a prior from other
+    cars or a tyre file, and a table of a ramp whose digest is in ``logs``. Raises StoreError if no
+    table is left.
     """
     snapshot = store.snapshot()
     journal = snapshot.journal
@@ -28,10 +29,10 @@ def released_cars(store: Store, vehicle: Vehicle, logs: Collection[str]) -> dict
         provenance = stored.table.provenance
         has_tyre_file = any(log.role == "tyre" for log in provenance.logs)
         # a table with parents is a mean, or has a prior from other cars
-        is_counted = provenance.parents or has_tyre_file or stored.ramps & used_ramps
-        if not is_counted and not vehicle_differences(stored.table, vehicle):
+        counts_twice = provenance.parents or has_tyre_file or stored.ramp_digests & used_ramps
+        if not counts_twice and not vehicle_differences(stored.table, vehicle):
             cars[stored.id] = stored.table
-            used_ramps |= stored.ramps
+            used_ramps |= stored.ramp_digests
     if not cars:
         flaw = f"no released table of another car of this model, of {len(snapshot.names)} looked at"
         expected = f"the vehicle file of {vehicle.name} but its name, no --tyre or --fleet-prior"

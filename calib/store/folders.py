@@ -1,7 +1,7 @@
 """Names, folders and references of the versions of a store.
 
 tables/journal.jsonl        the journal, and journal.head, see `calib.store.journal`
-tables/sedan/               the folder of a table, ``home`` below
+tables/sedan/               the folder of a table; functions call it ``home``
 tables/sedan/v0001/         the folder of version 1, see `calib.store.version`
 tables/sedan/v0001.minisig  the signature of version 1
 tables/sedan/.new-v0002/    version 2 while it is written
@@ -32,13 +32,13 @@ def folder_of(version: int) -> str:
 
 
 def taken_numbers(home: Path) -> list[int]:
-    """Return the version numbers of all files and folders of versions in ``home``, rising."""
+    """Return the numbers of all versions whose name a file or folder in ``home`` has, rising."""
     matches = map(_FOLDER.fullmatch, os.listdir(home) if home.is_dir() else ())
     return sorted(int(match[1]) for match in matches if match and int(match[1]) > 0)
 
 
 def versions_in(home: Path) -> list[int]:
-    """Return the version numbers of the folders in ``home``, rising."""
+    """Return the numbers of the folders of versions in ``home``, rising."""
     return [n for n in taken_numbers(home) if (home / folder_of(n)).is_dir()]
 
 
@@ -59,7 +59,7 @@ def refuse_link(home: Path) -> None:
 
 
 def unplaced(folder: Path, name: str = "*") -> list[Path]:
-    """Return the folders of versions of a table, or of all, that have no final name yet."""
+    """Return the folders of versions without a final name yet, of one table or of all tables."""
     paths = folder.glob(f"{name}/{NEW_PREFIX}*")
     return sorted(path for path in paths if names_a_table(path.parent.name))
 
@@ -70,23 +70,24 @@ def signature_file(home: Path, version: int) -> Path:
 
 
 def existing_folder(home: Path, version: int) -> Path | None:
-    """Return the folder of a version, by its final or its new name; None if there is neither."""
+    """Return the folder of a version with its final or its new name; None if there is neither."""
     final, new = home / folder_of(version), home / f"{NEW_PREFIX}{folder_of(version)}"
-    # final again: another process may rename the folder between the first two looks
+    # another process may rename new to final after the first test, so final is tested twice
     return next((path for path in (final, new, final) if path.is_dir()), None)
 
 
 def path_of(reference: str) -> Path | None:
-    """Return the folder of the version if ``reference`` is a path; None for a name of a table.
+    """Return the folder of a version if ``reference`` is a path; None if it names a table.
 
     Raises TableNotFound for a path at which there is no version.
     """
     path = Path(reference)
     if path.name == RECORD:
         path = path.parent
-    elif path.name == reference and not (path / RECORD).is_file():
+    has_record = (path / RECORD).is_file()
+    if path.name == reference and not has_record:
         return None
-    if (path / RECORD).is_file() or any(path.glob("*.parquet")):
+    if has_record or any(path.glob("*.parquet")):  # a damaged version may lack its record
         return path
     raise TableNotFound(
         f"no {RECORD} in it" if path.is_dir() else "is no directory",

@@ -18,7 +18,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple, Self
 
-from calib.base.bounded import JOURNAL as JOURNAL_FILE
+from calib.base.bounded import JOURNAL as JOURNAL_KIND
 from calib.base.bounded import read_bounded
 from calib.base.digest import canonical_json, sha256
 from calib.base.errors import DamagedTable
@@ -32,8 +32,8 @@ CRLF = (
     "`* -text` in its .gitattributes; add it and check the files out again"
 )
 
-STORED, CHANGED = "stored", "changed"
-SIGNED = "signed"  # an event in the lines of older programs; it changes no state
+STORED, CHANGED = "stored", "changed"  # events: a version is new, its state changes
+SIGNED = "signed"  # an event that older programs wrote; it changes no state
 _START = "0" * 64  # head of an empty journal
 
 _TEXT = r'"[^"\\]*+(?:\\.[^"\\]*+)*+"'  # a string of JSON
@@ -47,11 +47,11 @@ _LINE = re.compile(
     rf'"verdict":{_TEXT},"version":(?P<version>\d{{1,9}})\}}',
     re.ASCII,
 )
-"""Canonical JSON of a line. To parse the JSON and write it again would take ten times as long."""
+"""Pattern of a line, which is canonical JSON. A JSON parser would take ten times as long."""
 
 
 class Entry(NamedTuple):
-    """One ``line`` of the journal, and the fields of it that are always read."""
+    """A ``line`` of the journal, with the fields that are often read."""
 
     line: str
     number: int  # from 1
@@ -80,7 +80,7 @@ class Entry(NamedTuple):
 
     @property
     def document(self) -> dict[str, Any]:
-        """All fields: also ``at`` (UTC), ``by``, ``program``, ``reason``, ``verdict``, ``key``."""
+        """All fields of the line, such as ``at`` (UTC), ``by`` and ``reason``."""
         return dict(json.loads(self.line))
 
 
@@ -104,11 +104,11 @@ class Journal:
         return {name: dict(sorted(versions.items())) for name, versions in by_version.items()}
 
     def versions(self, name: str) -> dict[int, list[Entry]]:
-        """Return the entries of each version of a table, oldest first; empty without the table."""
+        """Return the entries of each version of a table, oldest first; empty for no such table."""
         return self.tables.get(name, {})
 
     def word(self, name: str, version: int) -> str:
-        """Return the state of a version of the journal as a word, such as "released"."""
+        """Return the state of a version, such as "released"."""
         return self.versions(name)[version][-1].state
 
     def state(self, name: str, version: int) -> VersionState:
@@ -117,13 +117,16 @@ class Journal:
         if not history:
             return OUTSIDE
         last = [entry for entry in history if entry["event"] != SIGNED][-1]
+        past_files = [file for entry in history for file in entry["evidence"]]
         return VersionState(
             word=last["state"],
             since=last["at"],
+            by=last["by"],
+            reason=last["reason"],
+            verdict=last["verdict"],
             evidence=tuple(Evidence(**file) for file in last["evidence"]),
             stored_at=history[0]["at"],
-            past_evidence=frozenset(file["sha256"] for e in history for file in e["evidence"]),
-            **{key: last[key] for key in ("by", "reason", "verdict")},
+            past_evidence=frozenset(file["sha256"] for file in past_files),
         )
 
     def added(
@@ -131,15 +134,15 @@ class Journal:
     ) -> "Journal":
         """Return the journal with one more entry: ``event`` of a version by a ``decision``.
 
-        A new version needs the ``fields`` digest, record and inputs; later ones repeat two of them.
+        The ``fields`` of a new version are digest, record and inputs.
         """
         history = self.versions(name).get(version)
-        if history:
-            fields = {"digest": history[0].digest, "record": history[0].record} | fields
-        of_decision = asdict(decision)
-        del of_decision["automatic"]
-        document = {
-            **of_decision,
+        if history:  # each entry repeats what was stored
+            fields = {"digest": history[0].digest, "record": history[0].record}
+        empty = dict.fromkeys(("digest", "record", "inputs", "hash", "key"), "")
+        document = asdict(decision) | empty | fields
+        del document["automatic"]
+        document |= {
             "number": len(self.entries) + 1,
             "at": datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ"),
             "by": decision.by or user(),
@@ -148,8 +151,6 @@ class Journal:
             "table": name,
             "version": version,
             "previous": self.head,
-            **dict.fromkeys(("digest", "record", "inputs", "hash", "key"), ""),
-            **fields,
         }
         document["hash"] = sha256(canonical_json(document))
         return Journal([*self.entries, Entry.read(canonical_json(document).decode())])
@@ -158,9 +159,10 @@ class Journal:
 def read_journal(folder: Path) -> Journal:
     """Read the journal of a store, empty if there is none. Raises DamagedTable, OSError.
 
-    A journal with more lines than its head names is sound: a writer stopped before the head.
+    The journal may have more lines than its head names: a writer stopped before the head.
     """
-    head = _bytes_if_any(folder / HEAD)  # first, since a writer may add a line in between
+    # the head is read first, since a writer may add a line in between
+    head = _bytes_if_any(folder / HEAD)
     data = _bytes_if_any(folder / JOURNAL)
     try:
         entries = _entries((data or b"").decode())
@@ -182,13 +184,13 @@ def write_journal(folder: Path, journal: Journal) -> None:
 
 def _bytes_if_any(path: Path) -> bytes | None:
     try:
-        return read_bounded(path, JOURNAL_FILE)
+        return read_bounded(path, JOURNAL_KIND)
     except FileNotFoundError:
         return None
 
 
 def _entries(text: str) -> list[Entry]:
-    """Read the lines, and check the chain and the order of states. Raises ValueError."""
+    """Read the lines; check their chain and the order of states. Raises ValueError."""
     if "\r\n" in text:
         raise ValueError(CRLF)
     if text and not text.endswith("\n"):
@@ -227,15 +229,15 @@ def _check_state(entry: Entry, predecessor: Entry | None) -> None:
 
 
 def _check_head(entries: list[Entry], head: bytes | None) -> None:
-    """Raise ValueError unless the head's file names a line of the journal, by number and hash."""
+    """Raise ValueError unless ``head``, the content of its file, names a line of the journal."""
     if head is None:
         if entries:
             raise ValueError(f"{HEAD} beside it is missing")
         return
-    digest, _, count = head.decode(errors="replace").strip().partition(" ")
-    number = int(count) if re.fullmatch(r"[0-9]{1,18}", count) else -1
+    match = re.fullmatch(rb"([0-9a-f]{64}) ([0-9]{1,18})\s*", head)
     hashes = [_START, *(entry.hash for entry in entries)]
+    number = int(match[2]) if match else 0
     if number >= len(hashes):
         raise ValueError(f"has {len(entries)} lines, its head names {number}: lines are lost")
-    if number < 0 or hashes[number] != digest:
+    if match is None or hashes[number] != match[1].decode():
         raise ValueError(f"does not agree with {HEAD}")

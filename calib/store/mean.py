@@ -42,7 +42,7 @@ from calib.table.curves import DifferenceCurve, TyreCurve
 from calib.table.maps import Draws, LevelMap, PadMap
 from calib.table.table import Table, Value
 
-_LOGARITHMS = ("level", "ratio", "stiffness")  # of pads and tyres, the parts of a `TableBudget`
+_LOGARITHMS = ("level", "ratio", "stiffness")  # of pads and tyres, as in a `TableBudget`
 _POSITIVE = ("compliance_f", "compliance_r")  # draws whose logarithms are averaged
 _PER_CAR = ("log_pad_ratio", "log_pad_level", *_POSITIVE)  # draws with another mean in each car
 _SIZE = 2048  # draws for the maps; a table stores TABLE_DRAWS of them
@@ -61,8 +61,8 @@ class _CurvesOfCars(NamedTuple):
 
 def mean_curves(tables: Sequence[Table]) -> tuple[dict[str, Any], RandomEffects]:
     """Return the curves of a mean table by name, and the scatter of D."""
-    differences = _on_common_axis(1.0, [[*vars(table.difference).values()] for table in tables])
-    tyres = _on_common_axis(0.0, [[*vars(table.tyre).values()] for table in tables])
+    differences = _on_common_axis(1.0, [table.difference for table in tables])
+    tyres = _on_common_axis(0.0, [table.tyre for table in tables])
     D_scatter = random_effects(differences.values, differences.per_run_variance)
     tyre_scatter = random_effects(tyres.values, tyres.per_run_variance)
     difference = DifferenceCurve(*_columns(differences, D_scatter))
@@ -72,20 +72,21 @@ def mean_curves(tables: Sequence[Table]) -> tuple[dict[str, Any], RandomEffects]
     return {"difference": difference, "paper": paper, "tyre": tyre}, D_scatter
 
 
-def _on_common_axis(start: float, curves: Sequence[Sequence[Array]]) -> _CurvesOfCars:
-    """Interpolate a curve of each car, given by its columns, to an axis from ``start``.
-
-    Columns are in the order of `DifferenceCurve`, the axis first. The shortest curve ends the axis.
-    """
-    end, rows = min(float(curve[0][-1]) for curve in curves), max(curve[0].size for curve in curves)
-    axis = np.linspace(start, end, rows)
-    values, lower, upper, count, flag, own = (  # (k, n) each
-        np.array([np.interp(axis, curve[0], curve[i]) for curve in curves]) for i in range(1, 7)
+def _on_common_axis(
+    start: float, curves: Sequence[DifferenceCurve] | Sequence[TyreCurve]
+) -> _CurvesOfCars:
+    """Interpolate the curve of each car to an axis from ``start`` to the end of the shortest."""
+    cars = [[*vars(curve).values()] for curve in curves]  # seven columns each, the axis first
+    end = min(float(columns[0][-1]) for columns in cars)
+    axis = np.linspace(start, end, max(columns[0].size for columns in cars))
+    values, lower, upper, count, flag, run_share = (  # (k, n) each
+        np.array([np.interp(axis, columns[0], columns[i]) for columns in cars]) for i in range(1, 7)
     )
     variance = ((upper - lower) / (2.0 * Z95)) ** 2
+    per_run_variance, shared_variance = variance * run_share, variance * (1.0 - run_share)
     blocks = np.rint(count.sum(axis=0))
-    middle_flag = np.ceil(np.median(flag, axis=0))  # of two middle ones the worse
-    return _CurvesOfCars(axis, values, variance * own, variance * (1.0 - own), blocks, middle_flag)
+    middle_flag = np.ceil(np.median(flag, axis=0))  # of two middle flags the worse
+    return _CurvesOfCars(axis, values, per_run_variance, shared_variance, blocks, middle_flag)
 
 
 def _columns(curves: _CurvesOfCars, scatter: RandomEffects) -> tuple[Array, ...]:
@@ -94,8 +95,8 @@ def _columns(curves: _CurvesOfCars, scatter: RandomEffects) -> tuple[Array, ...]
     of_shared = Z95 * np.sqrt(np.mean(curves.shared_variance, axis=0))
     half_width = np.asarray(np.hypot(of_cars, of_shared))
     lower, upper = scatter.mean - half_width, scatter.mean + half_width
-    own = np.zeros(curves.axis.size)
-    return curves.axis, scatter.mean, lower, upper, curves.blocks, curves.flag, own
+    run_share = np.zeros(curves.axis.size)  # see `DifferenceCurve.own`
+    return curves.axis, scatter.mean, lower, upper, curves.blocks, curves.flag, run_share
 
 
 def mean_pads(tables: Sequence[Table]) -> tuple[dict[str, Any], RandomEffects]:
@@ -124,14 +125,14 @@ def mean_pads(tables: Sequence[Table]) -> tuple[dict[str, Any], RandomEffects]:
 
 
 def _mean_shared(tables: Sequence[Table], name: str) -> dict[str, float]:
-    """Return the mean over the cars of each shared variance of a logarithm, by part."""
+    """Return each part of the shared variance of a logarithm, as its mean over the cars."""
     cars = [shared(getattr(table.budget, name)) for table in tables]
     parts = dict.fromkeys(part for variances in cars for part in variances)
     return {part: float(np.mean([car.get(part, 0.0) for car in cars])) for part in parts}
 
 
 def inflated(scatter: RandomEffects) -> Array:
-    """Sigma of one more car (n,) whose normal 95 % interval is that of Student's t."""
+    """Return the sigma (n,) whose normal 95 % interval is that of one more car by Student's t."""
     return np.asarray(quantile95(scatter.freedom) / Z95 * scatter.prediction_sigma)
 
 
@@ -149,13 +150,14 @@ def mean_maps(tables: Sequence[Table]) -> tuple[PadMap, LevelMap, Draws]:
 def one_more(tables: Sequence[Table], size: int = _SIZE) -> Draws:
     """Return ``size`` draws of one more car, by a fixed random sequence.
 
-    The cars count alike. T is cut at the 97.5 % quantile of Student's t, since with few cars a
-    larger T could make a compliance overflow.
+    Each car gives the same number of draws. T is cut at the 97.5 % quantile of Student's t, since
+    with few cars a larger T could make a compliance overflow.
     """
     draws = [vars(table.draws) for table in tables]
     k, rng = len(draws), np.random.default_rng(42)
     car = np.arange(size) * k // size  # j of each draw, (size,)
-    row = (rng.random(size) * [draws[j]["weight"].size for j in car]).astype(np.int64)  # i
+    counts = np.array([columns["weight"].size for columns in draws])  # (k,)
+    row = (rng.random(size) * counts[car]).astype(np.int64)  # i of each draw, (size,)
     g = rng.standard_normal((size, k)) / np.sqrt(k - 1.0)
     T = np.minimum(np.sqrt((k - 1.0) / rng.chisquare(k - 1, size)), quantile95(k - 1))
     columns = {}

@@ -1,11 +1,11 @@
 """Merge the tables of several cars of one model into a mean table.
 
-Each parent, CAR@1, CAR@2, ..., is the table of one car:
+Each parent is the table of one car:
 
     parents --> curves and pads on common axes --> their mean and scatter --> the mean table
     parents --> draws of one more car --> maps of the mean table
 
-Mean and scatter are those of `calib.base.random_effects`; `calib.store.mean` computes them.
+`calib.store.mean` computes mean and scatter, with `calib.base.random_effects`.
 """
 
 import math
@@ -26,11 +26,11 @@ from calib.table.compare import changes
 from calib.table.table import FleetScatter, Provenance, Scatter, Table, TableReference
 
 _MINIMUM, _SUM = ("deceleration_max", "eta_peak_is_real"), ("runs", "outliers")
-"""Metrics of a fit of which a mean table has the minimum or the sum; of others it has the mean."""
+"""Metrics of a fit whose minimum or sum stands in a mean table; of other metrics, the mean."""
 
 _CAR_MARKS = ("serial", "vin")  # identifiers of one car
 _LEAST_RANGE = 0.5
-"""Least range of eta of a car over the longest one [1]: the mean ends where the shortest does."""
+"""Least range of eta of a car, over the longest range [1]. The mean ends at the shortest range."""
 _SHARED_REMARK = (
     "what all cars share is in the mean as it is in each of them: mass, geometry and brakes of the "
     "vehicle file, the surface of the track, sensors that are wrong in one way, the method; its "
@@ -44,9 +44,9 @@ def merge(parents: Sequence[Stored], name: str) -> Table:
     Its bands and sigmas are those of one more car of the model. Its `FleetScatter` holds the
     scatter between the cars and the error of the mean.
 
-    Raises RevisionError with all reasons against a mean: fewer than two tables; a table that is
-    unusable, is a mean itself or rests on other cars; a car or ramp twice; different vehicles; a
-    range of eta that is too short; the name of a parent.
+    Raises RevisionError with all reasons against a mean: fewer than two tables, a table that is
+    unusable, is a mean itself or has a prior from other cars, a car or ramp twice, different
+    vehicles, a range of eta that is too short, or the name of a parent.
     """
     flaws = [*_flaws_of_tables(parents), *_flaws_of_pairs(parents)]
     if len(parents) < 2:
@@ -178,7 +178,7 @@ def _flaws_of_pairs(parents: Sequence[Stored]) -> Iterator[str]:
                     f"{a.id} and {b.id} are of one car ({mark} {identity}), which would count as "
                     "two; give one of them, or fit its ramps together"
                 )
-        if a.ramps & b.ramps:
+        if a.ramp_digests & b.ramp_digests:
             yield f"{a.id} and {b.id} are made of the same ramp"
         differences = vehicle_differences(a.table, b.table.vehicle)
         if differences:

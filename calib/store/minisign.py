@@ -31,9 +31,12 @@ _SIGNATURE = re.compile(
     rb"trusted comment: ([^\r\n]*)\r?\n[A-Za-z0-9+/]{86}==\r?\n"
 )
 
-_SCRYPT = {"opslimit": 2**25, "memlimit": 2**30}  # to try one password takes seconds and 1 GiB
-_MAX_OPSLIMIT = 8 * _SCRYPT["opslimit"]  # half a minute; minisign's own keys ask for _SCRYPT
-_OPSLIMIT = slice(38, 46)  # in a secret key: after three algorithms of 2 bytes and a salt of 32
+_SCRYPT = {"opslimit": 2**25, "memlimit": 2**30}
+"""Work and memory [bytes] to try one password, as minisign has them: seconds and 1 GiB."""
+_MAX_OPSLIMIT = 8 * _SCRYPT["opslimit"]
+"""Largest work of a key that is read: half a minute."""
+_OPSLIMIT = slice(38, 46)
+"""Bytes of the work in a secret key, after three algorithms of 2 bytes and a salt of 32."""
 
 
 @dataclass(frozen=True)
@@ -64,12 +67,12 @@ class SecretKey:
         return f"SecretKey({self.public.key_id})"
 
     def sign(self, data: bytes, trusted_comment: str) -> bytes:
-        """Return the signature file of ``data``. Raises KeyFileError for a damaged key."""
+        """Return the content of a signature file. Raises KeyFileError for a damaged key."""
         with _library_errors_as(KeyFileError, "secret key"):
             signature = self._key.sign(
                 data, trusted_comment=trusted_comment, untrusted_comment="signature from brake-cal"
             )
-            self._key.get_public_key().verify(data, signature)
+            self._key.get_public_key().verify(data, signature)  # fails for a damaged key
         return bytes(signature) + b"\n"
 
 
@@ -100,7 +103,7 @@ def read_secret_key(path: Path, password: Callable[[], str]) -> SecretKey:
 def generate(secret: Path, public: Path, password: str) -> PublicKey:
     """Write the two files of a new key pair. Raises KeyFileError, and then leaves no file.
 
-    Only its owner may read the ``secret`` key. It is not encrypted if ``password`` is empty.
+    Only the user may read the file ``secret``. An empty ``password`` leaves it unencrypted.
     """
     pair = _library().KeyPair.generate()
     key, public_key = pair.secret_key, PublicKey(pair.public_key.to_base64().decode())
@@ -125,7 +128,7 @@ def generate(secret: Path, public: Path, password: str) -> PublicKey:
 
 
 class Signature(NamedTuple):
-    """A signature file that is not yet verified: its ``content``, key number and comment."""
+    """A signature file, not verified: its ``content``, key number and comment."""
 
     content: bytes
     key_id: str

@@ -17,7 +17,7 @@ from calib.table.table import COLUMNS, Table, Value
 
 
 def _keys(record: type) -> dict[str, tuple[Any, Any]]:
-    """Type and default of each field of a dataclass; the default of a required field is ``...``."""
+    """Return type and default of each field of a dataclass; ``...`` marks a required field."""
     types = get_type_hints(record)
     return {
         field.name: (types[field.name], ... if field.default is MISSING else field.default)
@@ -46,7 +46,7 @@ Record = section(
     | {
         "vehicle": (_VEHICLE, ...),
         "effects": (dict[str, dict[str, Value]], ...),
-        "empirical": (EmpiricalTerm | tuple[EmpiricalTerm, ...], ()),  # one term stands alone
+        "empirical": (EmpiricalTerm | tuple[EmpiricalTerm, ...], ()),  # one term is in no list
         "own_effects": (dict[str, DefinedIn], Field(default_factory=dict)),
     },
     _FiniteNumbers,
@@ -62,13 +62,13 @@ class _Parent(Section):
 
 
 class RecordFile(Section):
-    """The `record.json` of a version: its address, the SHA-256 of each curve's file, the record."""
+    """The `record.json` of a version, see `calib.store.version`."""
 
     id: str
     version: int
     digest: str
     parents: tuple[_Parent, ...]
-    files: dict[str, str]
+    files: dict[str, str]  # SHA-256 of each curve's file
     record: Record  # type: ignore[valid-type]
     states: Literal["journal.jsonl"]
 
@@ -101,7 +101,7 @@ def table_of(
     Raises KeyError or TypeError if a curve or a column is missing.
     """
     arguments = dict(record)
-    for key in ("schema_version", "empirical", "own_effects"):
+    for key in ("schema_version", "empirical", "own_effects"):  # no fields of a table
         del arguments[key]
     for name, constructor in COLUMNS.items():
         arguments[name] = constructor(**curves[name])

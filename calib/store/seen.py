@@ -1,9 +1,9 @@
 """Remember the journals that a user has seen, so that an older copy of a store is noticed.
 
 After a journal was verified with a key, its head is kept in the user's own folder, in
-`$XDG_STATE_HOME/brake-cal/seen.json`, on Windows below `%LOCALAPPDATA%`. A journal only grows, so a
-journal without that head is older, or another branch. A store is identified by the hash of the
-first line of its journal, so it may be moved but not replaced.
+`$XDG_STATE_HOME/brake-cal/seen.json`, on Windows below `%LOCALAPPDATA%`. A journal only grows. So a
+journal without that head is an older copy, or went another way from an earlier line. The hash of
+the first line of its journal identifies a store: a store may be moved, but not replaced.
 """
 
 import json
@@ -22,7 +22,7 @@ _UNSEEN = "an older copy of the store will not be noticed"
 
 
 class _SeenJournal(NamedTuple):
-    """A journal as it was when a user last saw it, with the key that verified it."""
+    """A journal when the user last saw it, and the key that verified it."""
 
     key: str
     store: str  # hash of its first line
@@ -31,9 +31,9 @@ class _SeenJournal(NamedTuple):
     lines: int  # number of its lines
 
     def contradiction(self, folder: Path, journal: Journal) -> str:
-        """Return why the ``journal`` in ``folder`` is no later form of this one; "" if it may be.
+        """Return why the ``journal`` in ``folder`` cannot have grown from this one; "" if it can.
 
-        The journal of another store contradicts only in the same folder.
+        The journal of another store is a contradiction only in the same folder.
         """
         entries = journal.entries
         if not entries or entries[0].hash != self.store:
@@ -72,18 +72,16 @@ class SeenJournals:
         """
         if self.path is None or self.note or not journal.entries:
             return self.note
-        first, lines = journal.entries[0].hash, len(journal.entries)
-        latest = _SeenJournal(key, first, str(folder.resolve()), journal.head, lines)
+        store, lines = journal.entries[0].hash, len(journal.entries)
+        latest = _SeenJournal(key, store, str(folder.resolve()), journal.head, lines)
         try:
             with locked_folder(self.path.parent):
                 current = recall()  # another process may have written the file since
-                # of the same key, store and place
-                replaced = [old for old in current.journals if old[:3] == latest[:3]]
-                if current.note or any(old.lines >= lines for old in replaced):
+                earlier = [x for x in current.journals if x[:3] == latest[:3]]  # key, store, place
+                if current.note or any(x.lines >= lines for x in earlier):
                     return current.note
-                others = [old for old in current.journals if old not in replaced]
-                journals = [journal._asdict() for journal in (*others, latest)]
-                document = {"schema": 1, "seen": journals}
+                others = [x for x in current.journals if x not in earlier]
+                document = {"schema": 1, "seen": [x._asdict() for x in (*others, latest)]}
                 write_whole(self.path, (json.dumps(document, indent=2) + "\n").encode())
         except OSError as error:
             return f"{self.path} cannot be written ({error.strerror}): {_UNSEEN}"

@@ -1,9 +1,10 @@
 """Sign versions, and verify their signatures, such as tables/sedan/v0001.minisig.
 
-The signature is over the record file, which holds the digests of all curves. Its trusted comment
-ends with the head of the journal, which has the state of the version. A signature is valid while
-the journal contains that head and the version still has that state. A store is an older copy if its
-journal lacks a head that the key has signed, or that this user has seen, see `calib.store.seen`.
+A signature covers the record file, which holds the digests of all curves. The trusted comment of
+the signature ends with the head of the journal when it was signed. So it covers the state of the
+version, too. A signature is valid while the journal contains that head and the version still has
+that state. A store is an older copy if its journal lacks a head that the key has signed, or that
+this user has seen, see `calib.store.seen`.
 """
 
 import re
@@ -62,7 +63,7 @@ def sign(store: Store, reference: str, key: SecretKey) -> _Signed:
             f"digest={stored.digest} journal={snapshot.journal.head}"
         )
         path = signature_file(stored.path.parent, stored.version)
-        write_whole(path, key.sign(_record(stored), comment))
+        write_whole(path, key.sign(_record_bytes(stored), comment))
     note = _remember(store.snapshot(), public, seen_journals)
     return _Signed(stored, path, public.key_id, comment, note)
 
@@ -77,13 +78,13 @@ def require_signed(stored: Stored, public: PublicKey, newest: bool = False) -> _
     older copy of the store; DamagedTable when the version is not the one that was loaded.
     """
     snapshot, seen_journals = _require_newest(Store(stored.path.absolute().parent.parent), public)
-    again = snapshot.load(stored.name, stored.version)
-    if again.record != stored.record:
+    reloaded = snapshot.load(stored.name, stored.version)
+    if reloaded.record_digest != stored.record_digest:
         raise DamagedTable("was replaced while it was read", where=stored.id, do="run it again")
-    signed = _verified(snapshot, again, public)
+    signed = _verified(snapshot, reloaded, public)
     if newest:
         for version in snapshot.journal.versions(stored.name):
-            if version > stored.version and _must_be_signed(snapshot, stored.name, version):
+            if version > stored.version and _was_released(snapshot, stored.name, version):
                 _verified(snapshot, snapshot.load(stored.name, version), public)
     return replace(signed, note=_remember(snapshot, public, seen_journals))
 
@@ -93,8 +94,9 @@ def verify_signed(
 ) -> tuple[tuple[StoreEntry, ...], str]:
     """Return the entries of `Store.verify` with signatures, and a note as in `_Signed`.
 
-    Every version that was ever released must have a signature by ``public``, and every signature by
-    it must be valid. Raises as `Store.verify`, and SignatureRefused for an older copy.
+    Every version that was ever released must have a signature by the key ``public``, and every
+    signature by this key must be valid. Raises as `Store.verify`, and SignatureRefused for an older
+    copy.
     """
     snapshot, seen_journals = _require_newest(store, public)
     entries = store.verify(name, lambda entry: _with_signature(snapshot, entry, public))
@@ -111,7 +113,7 @@ def signer(stored: Stored) -> str | None:
 
 
 def _require_newest(store: Store, public: PublicKey) -> tuple[Snapshot, SeenJournals]:
-    """Return the store, and the journals seen. Raises SignatureRefused for an older copy."""
+    """Return the store and the seen journals. Raises SignatureRefused for an older copy."""
     seen_journals = recall()
     snapshot = store.snapshot()
     seen_journals.check(store.folder, snapshot.journal, public.key_id)
@@ -119,34 +121,35 @@ def _require_newest(store: Store, public: PublicKey) -> tuple[Snapshot, SeenJour
 
 
 def _remember(snapshot: Snapshot, public: PublicKey, seen_journals: SeenJournals) -> str:
-    """Check the heads in the store's signatures, keep the head of its journal; return a note."""
+    """Keep the head of the journal, if it contains all signed heads. Returns a note."""
     _check_signed_heads(snapshot, public)
     return seen_journals.keep(snapshot.folder, snapshot.journal, public.key_id)
 
 
 def _check_signed_heads(snapshot: Snapshot, public: PublicKey) -> None:
-    """Raise SignatureRefused if the journal lacks a head of any valid signature in the store."""
+    """Raise SignatureRefused if the journal lacks the head of a valid signature in the store."""
     for path in sorted(snapshot.folder.glob(f"*/v*{SIGNATURE_SUFFIX}")):
         record = path.parent / path.name.split(".")[0] / RECORD
         try:
             signature = read_signature(path)
             verify(public, read_bounded(record, TABLE), signature, path)
         except (SignatureRefused, OSError):
-            continue  # of another key, or damaged: `verify_signed` reports that
+            continue  # by another key, or damaged: `verify_signed` reports that
         if _HEAD.fullmatch(signature.trusted_comment):
             _signed_line(snapshot, signature, path)
 
 
-def _must_be_signed(snapshot: Snapshot, name: str, version: int) -> bool:
-    """Whether a version was ever released."""
+def _was_released(snapshot: Snapshot, name: str, version: int) -> bool:
     history = snapshot.journal.versions(name).get(version, ())
     return any(entry.state == RELEASED for entry in history)
 
 
 def _with_signature(snapshot: Snapshot, entry: StoreEntry, public: PublicKey) -> StoreEntry:
     """Return the entry with its signed state, or with a violation for an invalid signature."""
-    must_be_signed = _must_be_signed(snapshot, entry.name, entry.version)
-    if entry.stored is None or not (must_be_signed or signer(entry.stored) == public.key_id):
+    if entry.stored is None:
+        return entry
+    is_signed = signer(entry.stored) == public.key_id
+    if not is_signed and not _was_released(snapshot, entry.name, entry.version):
         return entry
     try:
         signed = _verified(snapshot, entry.stored, public)
@@ -164,7 +167,7 @@ def _verified(snapshot: Snapshot, stored: Stored, public: PublicKey) -> _Signed:
     signature = read_signature(path)
     if signature.key_id != public.key_id:
         raise _refusal(stored, f"is signed by key {signature.key_id}, not by {public.key_id}")
-    verify(public, _record(stored), signature, path)
+    verify(public, _record_bytes(stored), signature, path)
     line = _signed_line(snapshot, signature, path)
     history = snapshot.journal.versions(stored.name)[stored.version]
     signed_states = [entry.state for entry in history if entry.number <= line]
@@ -185,7 +188,7 @@ def _refusal(stored: Stored, flaw: str) -> SignatureRefused:
 
 
 def _signed_line(snapshot: Snapshot, signature: Signature, path: Path) -> int:
-    """Return the number of the journal's line that is signed. Raises SignatureRefused."""
+    """Return the number of the line whose hash is the signed head. Raises SignatureRefused."""
     head = _HEAD.fullmatch(signature.trusted_comment)
     if not head:
         raise SignatureRefused("its trusted comment names no head of a journal", where=path)
@@ -202,9 +205,9 @@ def _signed_line(snapshot: Snapshot, signature: Signature, path: Path) -> int:
     )
 
 
-def _record(stored: Stored) -> bytes:
+def _record_bytes(stored: Stored) -> bytes:
     """Return the content of the record file. Raises DamagedTable if it changed since loading."""
     data = read_bounded(stored.path / RECORD, TABLE)
-    if sha256(data) != stored.record:
+    if sha256(data) != stored.record_digest:
         raise DamagedTable(f"{RECORD}: was changed just now", where=stored.id)
     return data

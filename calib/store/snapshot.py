@@ -1,7 +1,7 @@
-"""A store at one moment.
+"""A store at one moment: its journal, and the versions in its folder.
 
-Every read compares a version with its digests, the name of its folder, and the journal. A stray is
-the folder of a version that is not in the journal.
+A version that is read is compared with its digests, the name of its folder, and the journal. A
+stray is the folder of a version that is not in the journal.
 """
 
 from dataclasses import dataclass, replace
@@ -27,14 +27,14 @@ from calib.table.table import Table
 
 @dataclass(frozen=True)
 class StoreEntry:
-    """A version as `Store.entries` and `Store.verify` give it."""
+    """A version in the list of `Store.entries` or `Store.verify`."""
 
     name: str
     version: int
     state: VersionState
-    stored: Stored | None  # None after `Store.verify`, and if the version cannot be read
+    stored: Stored | None  # None in the list of `Store.verify`, or if it cannot be read
     violations: tuple[str, ...] = ()
-    signed: str | None = None  # the state in the valid signature, if a key was given
+    signed: str | None = None  # state that a valid signature covers, if a key was given
 
     @property
     def id(self) -> str:
@@ -60,10 +60,14 @@ class Snapshot:
         if not self.folder.is_dir():
             do = "`brake-cal fit` makes one, --store names another"
             raise TableNotFound("no table store here", where=self.folder, do=do)
+        self.require_journal()
+        return sorted(self.journal.tables)
+
+    def require_journal(self) -> None:
+        """Raise DamagedTable if there are versions without a journal."""
         if not self.journal.entries and names_in(self.folder):
             flaw = "missing, and versions are there whose state it knew"
             raise DamagedTable(flaw, where=self.folder / JOURNAL)
-        return sorted(self.journal.tables)
 
     def require_table(self, name: str) -> str:
         """Return ``name`` if the store has a table of that name. Raises TableNotFound."""
@@ -77,19 +81,19 @@ class Snapshot:
         raise TableNotFound(f"no table {name!r}", where=self.folder, expected=expected, do=do)
 
     def with_strays(self, name: str) -> list[int]:
-        """Return the numbers of the versions in the journal and of strays, rising."""
+        """Return the numbers of a table's versions in the journal and of its strays, rising."""
         return sorted({*self.journal.versions(name), *versions_in(self.folder / name)})
 
     def next_number(self, name: str) -> int:
-        """Return the number after those of all versions and of all files named as versions."""
+        """Return the number of the next version: one more than any in the journal or the folder."""
         numbers = [*self.journal.versions(name), *taken_numbers(self.folder / name)]
         return 1 + max(numbers, default=0)
 
     def find(self, reference: str, released: bool) -> Stored:
         """Read the version of a reference: a path, ``name@version`` or ``name``.
 
-        A bare ``name`` means its newest version that is released or a draft, with ``released`` its
-        newest released one.
+        A bare ``name`` means its newest version that is released or a draft; if ``released`` is
+        true, the newest that is released. Raises TableNotFound, DamagedTable, StoreError.
         """
         path = path_of(reference)
         if path is not None:
@@ -98,25 +102,26 @@ class Snapshot:
             return self.load(*self.numbered(reference))
         name = self.require_table(reference)
         states = {v: self.journal.word(name, v) for v in self.journal.versions(name)}
-        allowed = (RELEASED,) if released else (RELEASED, DRAFT)
-        usable = [version for version, word in states.items() if word in allowed]
         if not states:  # all versions of the name are strays, which `load` refuses
             return self.load(name, max(self.with_strays(name)))
-        if usable:
-            return self.load(name, max(usable))
-        kind, do = "usable", f"name the one that you mean, such as {name}@{max(states)}"
+        allowed = (RELEASED,) if released else (RELEASED, DRAFT)
+        possible = [version for version, state in states.items() if state in allowed]
+        if possible:
+            return self.load(name, max(possible))
         if released:
             kind, do = "released", f"release one: `brake-cal tables release {name}@N --reason ...`"
-        others = ", ".join(f"{name}@{version} {word}" for version, word in states.items())
-        raise StoreError(f"{name} has no {kind} version; there is {others}", do=do)
+        else:
+            kind, do = "usable", f"name the one that you mean, such as {name}@{max(states)}"
+        existing = ", ".join(f"{name}@{version} {state}" for version, state in states.items())
+        raise StoreError(f"{name} has no {kind} version; there is {existing}", do=do)
 
     def _at_path(self, path: Path) -> Stored:
-        """Read the version in a folder; a folder of this store must agree with the journal."""
-        stored = read_version(path)
-        of_store = existing_folder(self.folder / stored.name, stored.version)
-        if of_store and of_store.resolve() == path.resolve():
-            return self.load(stored.name, stored.version)
-        return stored
+        """Read the version in a folder, with its state if the folder is in this store."""
+        copy = read_version(path)
+        folder = existing_folder(self.folder / copy.name, copy.version)
+        if folder and folder.resolve() == path.resolve():
+            return self.load(copy.name, copy.version)
+        return copy
 
     def numbered(self, reference: str) -> tuple[str, int]:
         """Return name and version of ``name@version``. Raises TableNotFound."""
@@ -139,7 +144,7 @@ class Snapshot:
             do = "restore the journal from a copy, or move the version out of the store"
             raise DamagedTable(flaw, where=id_, do=do)
         first = self.journal.versions(name)[version][0]
-        if (first.digest, first.record) != (stored.digest, stored.record):
+        if (first.digest, first.record) != (stored.digest, stored.record_digest):
             flaw = "replaced or edited: it is not what was stored as this version"
             expected = f"digest {first.digest[:12]}, it has {stored.digest[:12]}"
             raise DamagedTable(flaw, where=id_, expected=expected)
@@ -159,8 +164,9 @@ class Snapshot:
         if entry.stored:
             return replace(entry, violations=violations(entry.stored.table))
         is_missing = existing_folder(self.folder / name, version) is None
-        may_be_missing = entry.state.word == WITHDRAWN
-        return replace(entry, violations=()) if is_missing and may_be_missing else entry
+        if is_missing and entry.state.word == WITHDRAWN:
+            return replace(entry, violations=())
+        return entry
 
     def identical(self, table: Table) -> Stored | None:
         """Return the newest undamaged version that holds the same table, or None."""

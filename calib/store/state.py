@@ -1,4 +1,4 @@
-"""The state of a version: whether the version may be used, who decided so, on what evidence.
+"""The state of a version: whether the version may be used, who decided that, on what evidence.
 
     draft ──> released ──> withdrawn
       │          │  ^          ^
@@ -36,7 +36,8 @@ class Evidence:
 class StateDecision:
     """The decision that a version gets ``state``.
 
-    An ``automatic`` decision neither releases a rejected version nor changes a withdrawn one.
+    A program makes an ``automatic`` decision. Such a decision neither releases a rejected version
+    nor changes a withdrawn version.
     """
 
     state: str = DRAFT
@@ -44,21 +45,21 @@ class StateDecision:
     verdict: str = ""  # of the evidence
     evidence: tuple[Evidence, ...] = ()
     by: str = ""  # who decided; "" is the user of the computer
-    automatic: bool = False  # whether a program decided
+    automatic: bool = False
 
 
 @dataclass(frozen=True)
 class VersionState:
     """The state of a version, with its last decision. Times are in UTC (ISO 8601)."""
 
-    word: str = DRAFT
+    word: str = DRAFT  # one of STATES
     since: str = ""
     by: str = ""
     reason: str = ""
     verdict: str = ""
     evidence: tuple[Evidence, ...] = ()
     stored_at: str = ""
-    past_evidence: frozenset[str] = frozenset()  # SHA-256 of the evidence of all its states
+    past_evidence: frozenset[str] = frozenset()  # SHA-256 of the evidence of all states so far
     in_store: bool = True  # False for a copy outside of a store
 
     @property
@@ -101,8 +102,8 @@ def changes_state(version: str, current: VersionState, decision: StateDecision |
     if decision.state not in CHANGES[current.word]:
         flaw = f"is {current.description}; it stays withdrawn"
         raise StoreError(flaw, where=version, do="fit the car again: a new log makes a new version")
-    evidence = {file.sha256 for file in decision.evidence}
-    if releases_rejected and evidence <= current.past_evidence:
+    new_evidence = {file.sha256 for file in decision.evidence} - current.past_evidence
+    if releases_rejected and not new_evidence:
         flaw = f"is {current.description}; it is released only on new evidence"
         do = "validate it on another stop, and give the summary.json with --evidence"
         raise StoreError(flaw, where=version, do=do)

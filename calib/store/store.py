@@ -1,9 +1,9 @@
 """The store: versions of tables that are written once, and the journal of their states.
 
-The file `folders` has the names of all files, the page `tables` of the manual has the promises. A
-version exists as soon as the journal has a line of it. The folder of a writer that stops before
-that line is deleted by the next writer; the folder of a writer that stops after it gets its final
-name from the next writer.
+`calib.store.folders` has the names of all files. What the store promises is in the manual, on the
+page `tables`. A version exists as soon as the journal has a line of it. If a writer stops before
+that line, the next writer deletes the folder of the version. If it stops after that line, the next
+writer gives the folder its final name.
 """
 
 import os
@@ -71,7 +71,7 @@ class Store:
             return self._with_version(table, decision or StateDecision(), snapshot)
 
     def preview(self, table: Table, decision: StateDecision) -> Stored:
-        """Return what `save` would return at this moment, and write nothing. Raises as `save`."""
+        """Return what `save` would return now, and write nothing. Raises as `save`."""
         _require_storable(table)
         with self._unlocked() as snapshot:
             same, version = snapshot.identical(table), snapshot.next_number(table.name)
@@ -89,7 +89,7 @@ class Store:
             return self._with_decision(stored, decision, snapshot)
 
     def withdraw_missing(self, reference: str, decision: StateDecision) -> bool:
-        """Withdraw a version whose folder is missing; otherwise do nothing and return False."""
+        """Withdraw ``name@version`` if its folder is missing; return whether it is missing."""
         name, version = self.snapshot().numbered(reference)
         if existing_folder(self.folder / name, version):
             return False
@@ -119,7 +119,7 @@ class Store:
     def entries(self, state: str | None = None) -> Iterator[StoreEntry]:
         """Yield each version of the store, or each in a ``state``, by name and version.
 
-        Tables are read one at a time. Raises TableNotFound, DamagedTable.
+        Each table is read when it is yielded. Raises TableNotFound, DamagedTable.
         """
         wanted = state.lower() if state else None
         with self._unlocked() as snapshot:
@@ -135,8 +135,8 @@ class Store:
     ) -> tuple[StoreEntry, ...]:
         """Compare the versions of one table, or of all, with digests, invariants and journal.
 
-        Return entries, without tables, of all versions and of folders that are not in the journal.
-        ``examine`` gets each entry with its table, one at a time, and may add to the entry.
+        Return an entry without its table for each version and each stray. Before, ``examine`` gets
+        the entry with its table, and returns the entry with what it adds.
         """
         with self._unlocked() as snapshot:
             all_names = {*snapshot.names, *names_in(self.folder)}
@@ -150,19 +150,19 @@ class Store:
 
     @contextmanager
     def changing(self, reference: str) -> Iterator[tuple[Snapshot, Stored]]:
-        """Lock the store, and give it with its version ``name@version``."""
-        name, version = self.snapshot().numbered(reference)  # refuses before a folder is made
+        """Lock the store, and yield its snapshot and its version ``name@version``."""
+        name, version = self.snapshot().numbered(reference)  # raises before the lock is made
         with self._locked(name) as snapshot:
             yield snapshot, snapshot.load(name, version)
 
     def _find(self, reference: str, released: bool) -> Stored:
         path = path_of(reference)
-        store = self if path is None else Store(path.resolve().parent.parent)
+        store = self if path is None else Store(path.resolve().parent.parent)  # perhaps another
         with store._unlocked() as snapshot:
             return snapshot.find(reference, released)
 
     def _with_version(self, table: Table, decision: StateDecision, snapshot: Snapshot) -> Stored:
-        """Write a version aside, enter it in the journal, and move it to its final name."""
+        """Write a version under its new name, enter it in the journal, give it its final name."""
         _refuse_same_folder(table.name, snapshot.names)
         version = snapshot.next_number(table.name)
         final = self.folder / table.name / folder_of(version)
@@ -171,7 +171,7 @@ class Store:
         try:
             write_version(table, version, path)
             stored = read_version(path, f"{table.name}@{version}")
-            fields = {"digest": stored.digest, "record": stored.record}
+            fields = {"digest": stored.digest, "record": stored.record_digest}
             fields["inputs"] = inputs_digest(table.content()[0])
             journal = snapshot.journal.added(table.name, version, STORED, decision, **fields)
             write_journal(self.folder, journal)
@@ -181,7 +181,7 @@ class Store:
                 with suppress(OSError):
                     path.parent.rmdir()  # if it is empty
             raise
-        with suppress(OSError):  # the version exists; the next writer can move it as well
+        with suppress(OSError):  # the version exists; the next writer can rename it, too
             os.rename(path, final)
             path = final
             sync(final.parent)
@@ -190,7 +190,7 @@ class Store:
     def _with_decision(
         self, stored: Stored, decision: StateDecision | None, snapshot: Snapshot
     ) -> Stored:
-        """Enter a decision in the journal if it changes the state; return the version with it."""
+        """Enter a decision in the journal if it changes the state; return the judged version."""
         if decision is None or not changes_state(stored.id, stored.state, decision):
             return stored
         journal = snapshot.journal.added(stored.name, stored.version, CHANGED, decision)
@@ -204,7 +204,7 @@ class Store:
             with locked_folder(self.folder):
                 refuse_link(self.folder / name)
                 snapshot = Snapshot(self.folder, read_journal(self.folder))
-                _ = snapshot.names  # raises where versions have no journal
+                snapshot.require_journal()
                 _tidy(self.folder, name, snapshot.journal)
                 yield snapshot
         except OSError as error:
@@ -241,7 +241,7 @@ def _refuse_same_folder(name: str, names: Sequence[str]) -> None:
 
 
 def _tidy(folder: Path, table: str, journal: Journal) -> None:
-    """Finish or undo what stopped writers left; the store is locked. Raises OSError."""
+    """Finish or delete what stopped writers left; the store is locked. Raises OSError."""
     for path in (*folder.glob(".*.new"), *(folder / table).glob(".*.new")):
         path.unlink(missing_ok=True)
     stored_folders = [folder_of(version) for version in journal.versions(table)]

@@ -41,7 +41,7 @@ class Stored(Viewable):
     version: int
     digest: str
     path: Path  # its folder
-    record: str = ""  # SHA-256 of the record file
+    record_digest: str = ""  # SHA-256 of the record file
     state: VersionState = UNJUDGED
     existed: bool = False  # whether `Store.save` found the version instead of writing it
 
@@ -54,15 +54,15 @@ class Stored(Viewable):
         return f"{self.name}@{self.version}"
 
     @property
-    def ramps(self) -> set[str]:
+    def ramp_digests(self) -> set[str]:
         """The digests of the ramps that the table was fitted to."""
         return {log.digest for log in self.table.provenance.logs if log.role == "ramp"}
 
     @property
     def address(self) -> dict[str, object]:
         """Name, version, digest and path, with which every JSON document of a version begins."""
-        identity = {"id": self.id, "name": self.name, "version": self.version}
-        return {**identity, "digest": self.digest, "path": self.path}
+        keys = ("id", "name", "version", "digest", "path")
+        return {key: getattr(self, key) for key in keys}
 
 
 def table_in(table: Table | Stored) -> Table:
@@ -70,7 +70,7 @@ def table_in(table: Table | Stored) -> Table:
     return table.table if isinstance(table, Stored) else table
 
 
-def unstored(table: Table | Stored) -> Stored:
+def as_version(table: Table | Stored) -> Stored:
     """Return a table as version 0 without a store, or the given version itself."""
     if isinstance(table, Stored):
         return table
@@ -92,12 +92,12 @@ def write_version(table: Table, version: int, path: Path) -> None:
 
 
 def read_version(path: Path, expected_id: str | None = None) -> Stored:
-    """Read a version; compare its digests and ``expected_id``. Raises DamagedTable, StoreError."""
-    from calib.base.record import validated
+    """Read a version; check its digests and ``expected_id``. Raises DamagedTable, StoreError."""
+    from calib.base.record import validated  # pydantic is slow
     from calib.store.record_file import RecordFile, table_of
 
-    def damaged(flaw: str, file_name: str = RECORD) -> DamagedTable:
-        return DamagedTable(f"{file_name}: {flaw}", where=path)
+    def damaged(flaw: str) -> DamagedTable:
+        return DamagedTable(f"{RECORD}: {flaw}", where=path)
 
     data = _bytes(path / RECORD)
     if b"\r\n" in data:
@@ -108,13 +108,7 @@ def read_version(path: Path, expected_id: str | None = None) -> Stored:
     except (StoreError, RecursionError) as error:
         raise damaged(str(error)) from error
     try:
-        curves = {}
-        for name in COLUMNS:
-            content = _bytes(path / f"{name}.parquet")
-            if sha256(content) != file.files[f"{name}.parquet"]:
-                raise damaged("its bytes differ from their digest", f"{name}.parquet")
-            curve = parquet_table(content)
-            curves[name] = dict(zip(curve.column_names, map(numbers, curve.columns), strict=True))
+        curves = {name: _read_curve(path / f"{name}.parquet", file.files) for name in COLUMNS}
         if content_digest(record, curves) != file.digest:
             raise damaged("the record or its digest was changed")
         times = [parent.sample_time for parent in file.parents]
@@ -122,11 +116,20 @@ def read_version(path: Path, expected_id: str | None = None) -> Stored:
     except (KeyError, TypeError, ValueError) as error:
         raise damaged(f"not the record of these curves ({error!r})") from error
     if data != _record_bytes(record, file.digest, file.version, file.files, times):
-        raise damaged("its keys or its spelling do not agree with the record")
+        raise damaged("its keys, their order or its spelling were edited")
     stored = Stored(table, table.name, file.version, file.digest, path, sha256(data), OUTSIDE)
     if expected_id not in (None, stored.id):
         raise damaged(f"holds {stored.id} in the place of {expected_id}")
     return stored
+
+
+def _read_curve(path: Path, digests: dict[str, str]) -> dict[str, Array]:
+    """Read the columns of a curve, each (n,); ``digests`` has the SHA-256 of the file by name."""
+    data = _bytes(path)
+    if sha256(data) != digests[path.name]:
+        raise DamagedTable(f"{path.name}: its bytes differ from their digest", where=path.parent)
+    curve = parquet_table(data)
+    return {name: numbers(curve[name]) for name in curve.column_names}
 
 
 def _curve_bytes(columns: dict[str, Array]) -> bytes:
@@ -143,11 +146,14 @@ def _record_bytes(
     files: dict[str, str],
     sample_times: list[float | None],
 ) -> bytes:
-    """Return the content of a record file; ``sample_times`` are those of the logs [s]."""
+    """Return the content of a record file.
+
+    ``files`` has the SHA-256 of each curve's file, ``sample_times`` the time step of each log [s].
+    """
     parents = []
     for log, time in zip(record["provenance"]["logs"], sample_times, strict=True):
-        timed = {"sample_time": time} if time else {}
-        parents.append({"name": log["name"], "digest": log["digest"], **timed})
+        parent = {"name": log["name"], "digest": log["digest"]}
+        parents.append(parent | {"sample_time": time} if time else parent)
     document = {
         "id": f"{record['name']}@{version}",
         "version": version,

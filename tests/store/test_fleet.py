@@ -37,7 +37,7 @@ def test_newest_released_version_of_each_other_car_of_the_model(store):
     heavier = replace(car(5), vehicle=replace(car(5).vehicle, mass=1900.0))
     store.save(heavier, RELEASE)
     of_new_car = store.save(car(6), RELEASE)
-    cars = released_cars(store, NEW, of_new_car.ramps)
+    cars = released_cars(store, NEW, of_new_car.ramp_digests)
     assert sorted(cars) == ["car1@2", "car2@1", "car3@1"]
     assert cars["car1@2"].digest == newer.digest
 
