@@ -65,7 +65,7 @@ def test_a_version_never_changes(three):
     assert three.load("sedan@2").state.word == "withdrawn"
 
 
-def test_one_content_is_one_version(three):
+def test_the_same_content_saved_again_is_the_same_version(three):
     table = made_table(28.0)
     again = three.save(table)
     assert (again.version, again.existed) == (2, True)
