@@ -84,7 +84,7 @@ def validate(
     with progress(task, len(logs)) as step:
         for path in logs:
             run = read(path, channel_map)
-            refuse_copy(run, [], runs)
+            refuse_copy(run, runs)
             results.append(validate_one(used_table, run, vehicle, limits, mass=mass, **exported))
             runs.append(run)
             step()

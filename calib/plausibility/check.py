@@ -15,7 +15,7 @@ from calib.plausibility.evidence import Evidence
 from calib.plausibility.rules import CHECK, PURPOSES, unusable, warnings_on, warnings_on_log
 from calib.run.driving_record import BrakeEvent
 from calib.run.run import Run, figures
-from calib.run.sensors import FIGURES, Sensor
+from calib.run.sensors import Sensor
 from calib.run.wheels import IntervalEstimate
 
 
@@ -121,8 +121,6 @@ _VIEWS = (
 
 def _plain(x: Any) -> Any:
     """Turn nested records into mappings."""
-    if isinstance(x, Sensor):
-        return {name: getattr(x, name) for name in FIGURES}
     if isinstance(x, dict):
         return {name: _plain(value) for name, value in x.items()}
     if isinstance(x, tuple):

@@ -13,9 +13,8 @@ Unknown drag looks like a bias there.
 
 Bias, grade and drag are each present or absent, and so is a walk: a grade that changes at random in
 the run. Slow changes of z may then be the road, and only quick ones show the scale. The sixteen
-hypotheses are weighed by their evidence. `other_scale` weighs a scale that no sensor has (a wrong
-unit, clock or filter) against them. A bias that changes within the log is taken for a grade that
-changes.
+cases are weighed by their evidence. `other_scale` weighs them against a scale that no sensor has (a
+wrong unit, clock or filter). A bias that changes within the log is taken for a grade that changes.
 """
 
 import math
@@ -40,19 +39,19 @@ _PRESENT, _ABSENT = np.array([0.03, 0.05, 0.03]), np.array([0.0015, 0.002, 0.002
 road of 4 % 0.04 g, a mountain road 0.15 g, an engine in gear at 2000 rpm 0.02 to 0.05 g."""
 _ODDS = np.array([0.15, 0.3, 0.15, ODDS_ROAD[1]])  # prior chances of bias, grade, drag and walk
 _OTHER_SCALE, _ODDS_OTHER = 0.3, 3e-4
-"""Sigma of c where a unit, a clock or a filter is wrong, and how often one is: m/s taken for knots
-make 49 %, a clock of 110 Hz taken for 100 makes 10 %. So a c that v shows sharply is put down to
-one of these if it exceeds 9 %, 4.6 sigma of a sensor."""
+"""Sigma of c where a unit, a clock or a filter is wrong, and the prior odds of that: m/s taken for
+knots make 49 %, a clock of 110 Hz taken for 100 makes 10 %. With these odds a sharp c counts as
+wrong from 9 % on, 4.6 sigma of a sensor."""
 _ROLLING, _DRAG, _RESISTS = 0.011, 2.7e-5, 0.3
 """Resistance of a usual car over its weight: rolling [1], and by the speed squared [s^2/m^2] of
-0.66 m^2 and 1500 kg; their relative standard deviation [1]."""
+0.66 m^2 and 1500 kg; relative standard deviation of both [1]."""
 _LAG = 0.02  # sigma of the lag between v and a_x [s]; `calib.plausibility` looks for larger ones
 _AVERAGING = 1.0  # time over which a_x and v are averaged [s]: the noise of v is then 0.002 g
 _MULTIPLE = 4  # the number of compared steps is a multiple of this: of 0.2 s
 _CASES = np.array(list(product((False, True), repeat=4)))
 """Whether bias, grade, drag and a walk are present (16, 4); every second case has a walk."""
 _SENSED = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 1.0, 0.0], [0.0, 1.0, 0.0, 1.0]])
-"""From the causes (c, bias, grade, drag) to what is measured: (c, bias + grade, bias + drag)."""
+"""Matrix from the causes (c, bias, grade, drag) to what is measured, (c, e, d) of `_Evidence`."""
 
 
 @dataclass(frozen=True)
@@ -65,8 +64,8 @@ class Accelerometer:
     variance_bias: float
     covariance: float
     drag: float  # beside the known resistance [g]
-    walk_probability: float  # of a grade that walks [1]
-    disagreement: float  # `_disagreement` [g]
+    walk_probability: float  # of a grade that changes at random [1]
+    disagreement: float  # range over the run of corrected z plus (dv/dt)/g, as means of 1 s [g]
 
     def corrected(self, z: Array) -> Array:
         """Deceleration [1] that the tyres feel, from z [1] as read, (k,)."""
@@ -78,7 +77,7 @@ class Accelerometer:
         return np.asarray(np.sqrt(np.maximum(variance, 0.0)))
 
 
-class _AgainstSpeed(NamedTuple):
+class _Evidence(NamedTuple):
     """Normal equations of (c, e = bias + grade, d = bias + drag) from v, the lag eliminated."""
 
     precision: Array  # (3, 3), 0 for d
@@ -93,7 +92,7 @@ class SpeedEvidence:
     blocks: Blocks
     last: int  # number of steps between blocks that are compared
     density_z: float  # noise of z [s^0.5]
-    grades: tuple[_AgainstSpeed, ...]  # the evidence with a steady grade, and with a walk
+    by_road: tuple[_Evidence, ...]  # without and with a walk
 
 
 def speed_evidence(
@@ -104,19 +103,22 @@ def speed_evidence(
     Scale and lag are regressed on ``smooth`` z [1] (k,), if given, else on z.
     """
     last = (b.end.size - 1) // _MULTIPLE * _MULTIPLE
-    compared, noise = _compared(b, b.z if smooth is None else smooth), (density_z, density_v)
-    grades = (_against_speed(b.length, compared, last, walk, noise) for walk in (EVEN, CHANGING))
-    return SpeedEvidence(b, last, density_z, tuple(grades))
+    by_road: tuple[_Evidence, ...] = (_Evidence(np.zeros((3, 3)), np.zeros(3), 0.0),) * 2
+    if b.v is not None:
+        rows = _differences(b, b.v, b.z if smooth is None else smooth)
+        noise = density_z, density_v
+        by_road = tuple(_against_speed(b.length, rows, last, q, noise) for q in (EVEN, CHANGING))
+    return SpeedEvidence(b, last, density_z, by_road)
 
 
 def accelerometer(evidence: SpeedEvidence, unexplained: Array, sigma: Array) -> Accelerometer:
     """Estimate scale and offset from the ``evidence`` of v and from the lead-in.
 
-    ``unexplained`` is z less the known resistance, used on the lead-in alone; ``sigma`` that of the
-    known resistance, common to the log [1], (k,).
+    ``unexplained`` (k,) is z less the known resistance [1]. ``sigma`` (k,) is that of the known
+    resistance [1], whose error is common to the log.
     """
     rolling = _on_lead_in(evidence, unexplained, sigma)
-    weighed = _mixture(evidence.grades, rolling, _CASES, SENSOR.a_x_scale.sigma)
+    weighed = _mixture(evidence.by_road, rolling, _CASES, SENSOR.a_x_scale.sigma)
     c, bias, _, drag = weighed.mean.tolist()
     return Accelerometer(
         scale=c,
@@ -133,9 +135,9 @@ def accelerometer(evidence: SpeedEvidence, unexplained: Array, sigma: Array) -> 
 def other_scale(b: Blocks, density_z: float, density_v: float) -> float:
     """Return the scale c [1] of a wrong unit, clock or filter; 0 if a sensor's scale is likelier.
 
-    The result is 0, too, without ``v`` or a braking. The noise of z is in the integral and in the
-    regressor of c alike, which pulls c towards 1; so the regressor is averaged over `_AVERAGING`. A
-    walk would explain such a scale and is excluded. The resistance is that of a usual car.
+    The result is also 0 without ``v`` or a braking. The resistance is that of a usual car. A walk
+    would explain such a scale and is excluded. The regressor of c is averaged over `_AVERAGING`:
+    with the noise of z in the regressor as in the integral, c would be pulled towards 1.
     """
     if b.v is None or not np.any(np.maximum(b.p_f, b.p_r) > BITE):
         return 0.0
@@ -143,8 +145,8 @@ def other_scale(b: Blocks, density_z: float, density_v: float) -> float:
     evidence = speed_evidence(b, density_z, density_v, slow)
     resistance = _ROLLING + _DRAG * b.speed**2
     rolling = _on_lead_in(evidence, b.z - resistance, _RESISTS * resistance)
-    other = _mixture(evidence.grades, rolling, _CASES[::2], _OTHER_SCALE)
-    sensor = _mixture(evidence.grades, rolling, _CASES, SENSOR.a_x_scale.sigma)
+    other = _mixture(evidence.by_road, rolling, _CASES[::2], _OTHER_SCALE)
+    sensor = _mixture(evidence.by_road, rolling, _CASES, SENSOR.a_x_scale.sigma)
     likelier = other.evidence + np.log(_ODDS_OTHER) > sensor.evidence
     return float(other.mean[0]) if likelier else 0.0
 
@@ -155,49 +157,45 @@ def _usable(b: Blocks, apart: int) -> Mask:
     return np.asarray(usable[apart:] & usable[:-apart])
 
 
-def _compared(b: Blocks, smooth: Array) -> tuple[Array, Mask] | None:
+def _differences(b: Blocks, v: Array, smooth: Array) -> tuple[Array, Mask]:
     """Second differences of the equation of v, (4, k - 1), and where they are usable (k - 1,).
 
-    The rows are those of v + g int z dt, and of the factors of c, bias + grade and lag. Each begins
-    with a first difference. None without v.
+    The rows are those of v + g int z dt, and of the factors of c, bias + grade and lag. The first
+    column has first differences.
     """
-    if b.v is None:
-        return None
     gained, scaled = (G * 0.5 * b.length * (z[1:] + z[:-1]) for z in (b.z, smooth))
     usable = _usable(b, 1)
     slope = np.full(gained.size, G * b.length)
-    rows = np.stack([np.diff(b.v) + gained, scaled, slope, G * np.diff(smooth)])
+    rows = np.stack([np.diff(v) + gained, scaled, slope, G * np.diff(smooth)])
     usable = usable & np.concatenate([[True], usable[:-1]])
     return np.where(usable, np.diff(rows, axis=1, prepend=0.0), 0.0), usable
 
 
 def _against_speed(
     h: float,
-    compared: tuple[Array, Mask] | None,
+    differences: tuple[Array, Mask],
     last: int,
     grade_walk: float,
     densities: tuple[float, float],
-) -> _AgainstSpeed:
+) -> _Evidence:
     """Compare v with the integral of z over the first ``last`` steps between blocks of ``h`` [s].
 
     The noise of v is white, that of the integral is a random walk, and the grade walks by
     ``grade_walk`` [g/s^0.5]; ``densities`` are those of z and v. Second differences are then a
     moving average of order two, which a filter makes white. The grade in e is that at the start.
     """
-    if compared is None:
-        return _AgainstSpeed(np.zeros((3, 3)), np.zeros(3), 0.0)
     white, walk = densities[1] ** 2 / h, (G * densities[0]) ** 2 * h
-    columns, usable = compared
+    columns, usable = differences
     average, sigma = second_differences(white, walk, (G * h * grade_walk) ** 2 * h)
     start = np.zeros_like(columns[:1])
     start[0, :2] = -1.0, 1.0  # effect of the noise of the first v, the reference of all others
     rows = recursive_filter(np.concatenate([columns, start]), average)[:, :last] / sigma
-    products = rows @ rows.T  # of measurement, c, e, lag, start
+    products = rows @ rows.T  # (5, 5): measurement, c, e, lag, start
     likelihood = -0.5 * float(products[0, 0]) - np.count_nonzero(usable[:last]) * math.log(sigma)
     matrix, right_side, by_start = _without_last(products[1:, 1:], products[1:, 0], white)
     precision, vector = np.zeros((3, 3)), np.zeros(3)
     precision[:2, :2], vector[:2], by_lag = _without_last(matrix, right_side, _LAG**2)
-    return _AgainstSpeed(precision, vector, likelihood + by_start + by_lag)
+    return _Evidence(precision, vector, likelihood + by_start + by_lag)
 
 
 def _without_last(matrix: Array, right_side: Array, variance: float) -> tuple[Array, Array, float]:
@@ -213,7 +211,7 @@ def _without_last(matrix: Array, right_side: Array, variance: float) -> tuple[Ar
 
 
 def _on_lead_in(evidence: SpeedEvidence, unexplained: Array, sigma: Array) -> tuple[float, float]:
-    """Mean of ``unexplained`` over the lead-in, and its variance [1]; inf without a lead-in."""
+    """Mean of ``unexplained`` over the lead-in [1], and its variance, infinite without one."""
     b, use = evidence.blocks, slice(evidence.last + 1)
     rolling = (b.lead_in & (b.speed > 3.0))[use]
     count = np.count_nonzero(rolling)
@@ -224,18 +222,16 @@ def _on_lead_in(evidence: SpeedEvidence, unexplained: Array, sigma: Array) -> tu
 
 
 def _mixture(
-    grades: tuple[_AgainstSpeed, ...], rolling: tuple[float, float], present: Mask, scale: float
+    by_road: tuple[_Evidence, ...], rolling: tuple[float, float], present: Mask, scale: float
 ) -> Mixture:
     """Posterior of (c, bias, grade, drag), a mixture over the cases ``present`` (k, 4).
 
     ``rolling`` is mean and variance of d = bias + drag on the lead-in, ``scale`` the sigma of c.
     """
-    precision = np.array([grade.precision for grade in grades])
-    vector = np.array([grade.vector for grade in grades])
-    likelihood = np.array([grade.likelihood for grade in grades])
+    precision, vector, likelihood = map(np.array, zip(*by_road, strict=True))
     precision[:, 2, 2] += 1.0 / rolling[1]
     vector[:, 2] += rolling[0] / rolling[1]
-    walks = present[:, 3].astype(int)  # index of the grade of each case
+    walks = present[:, 3].astype(int)  # of each case, the index in ``by_road``
     return weigh_hypotheses(
         (_SENSED.T @ precision @ _SENSED)[walks],
         (vector @ _SENSED)[walks],
@@ -246,7 +242,7 @@ def _mixture(
 
 
 def _disagreement(b: Blocks, scale: float, last: int) -> float:
-    """Range over the run of z, corrected for ``scale``, plus (dv/dt)/g, as means of 1 s [g]."""
+    """`Accelerometer.disagreement` with a z that is corrected for ``scale``."""
     n = max(round(_AVERAGING / b.length), 1)
     if b.v is None or last < n:
         return 0.0

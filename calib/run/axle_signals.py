@@ -1,10 +1,10 @@
-"""Axle signals of a log on one clock: pressures, deceleration, wheel speeds, v, and the lead-in.
+"""Signals of the axles of a log: pressures, deceleration, wheel speeds, v, and the lead-in.
 
     log --signals--> Signals           with the lead-in and with v, the delay of v corrected
     log --causal_signals--> Signals    as an ECU has them
 
-Wheel speeds of an axle are averaged left and right: steering and road crown cancel to first order.
-The lead-in is the unbraked rolling before the first braking, in which eta is zeroed.
+The lead-in is the unbraked rolling before the first braking, on which eta is zeroed. The speed of
+an axle is the mean of left and right wheel: steering and road crown cancel to first order.
 """
 
 import math
@@ -26,24 +26,20 @@ from calib.run.runout import without_runout
 from calib.run.speed_delay import IN_TIME, SpeedDelay, in_time, speed_delay
 
 _HELD = 0.06
-"""Longest time between two values of v [s] for which v is used. A 10 Hz satellite receiver, whose
-value is held in between, is late by half its step, and its steps are 1 % of the speed."""
+"""Longest time between two values of v [s] for which v is used. The value of a 10 Hz satellite
+receiver, held in between, is late by half its step, and its steps are 1 % of the speed."""
 _SLOWING = 1.0  # deceleration at which a speed changes from sample to sample [m/s^2]
 _SHORT = 0.05  # width of the means of pressure and eta by which the lead-in is judged [s]
 _DISTURBED = 4.0
-"""Deviation of eta from its usual value over its scatter [1] beyond which it is no noise: an engine
-still drives an axle, or a wheel runs over something."""
+"""Deviation of eta from its usual value, over its scatter [1], beyond which it is no noise: an
+engine still drives an axle, or a wheel runs over something."""
 _FINEST = 1e-5  # least scatter of eta [1]: simulated logs may have none
 _LAST = 0.5  # end of a lead-in that gives the usual eta [s]; shorter lead-ins are not judged
 
 
 @dataclass(frozen=True, kw_only=True)
 class AxleSignals:
-    """Signals by axle, shapes (n,), SI.
-
-    ``v`` is the reference speed, its delay corrected. It is None if not logged, held for longer
-    than `_HELD`, or late by an uncertain time.
-    """
+    """Signals by axle, shapes (n,), SI."""
 
     p_f: Array  # pressure of the wheels if logged, else of the master cylinder [Pa]
     p_r: Array
@@ -52,18 +48,18 @@ class AxleSignals:
     z: Array  # deceleration (5) [1]
     omega_f: Array
     omega_r: Array
-    v: Array | None
+    v: Array | None  # reference speed, its delay corrected [m/s]; None without a usable one
     speed: Array  # v, or without v that of the rear wheels [m/s]
     lead_in: Mask
 
 
 @dataclass(frozen=True, kw_only=True)
 class Signals(AxleSignals):
-    """Axle signals at the samples of a log; ``time`` and ``sample_time`` [s], ``delay`` of v."""
+    """Axle signals at the samples of a log."""
 
-    time: Array
-    sample_time: float
-    delay: SpeedDelay = IN_TIME
+    time: Array  # [s]
+    sample_time: float  # [s]
+    delay: SpeedDelay = IN_TIME  # of v as read
 
     def take(self, rows: Index) -> "Signals":
         """Return the samples at ``rows`` alone."""
@@ -79,7 +75,10 @@ def eta_of(omega_f: Array, omega_r: Array) -> Array:
 
 
 def signals(log: Log, radius: float = NOMINAL_RADIUS) -> Signals:
-    """Axle signals of a log, ``radius`` of its rear wheels [m]; LogError if it hardly moves."""
+    """Axle signals of a log whose rear wheels have a ``radius`` [m].
+
+    Raises LogError for a car that hardly moves.
+    """
     causal, step = causal_signals(log, radius), log.sample_time
     wheels = {w: without_runout(log[f"omega_{w}"], step) for w in WHEELS}
     omega_f, omega_r = (0.5 * (wheels[f"{a}l"] + wheels[f"{a}r"]) for a in AXLES)
@@ -100,7 +99,7 @@ def signals(log: Log, radius: float = NOMINAL_RADIUS) -> Signals:
 
 
 def causal_signals(log: Log, radius: float) -> Signals:
-    """Axle signals as an ECU has them, causal: wheel speeds as read, no v, no lead-in."""
+    """Axle signals as an ECU has them: wheel speeds as read, no v, no lead-in."""
     omega_f, omega_r = (0.5 * (log[f"omega_{a}l"] + log[f"omega_{a}r"]) for a in AXLES)
     drive_f, drive_r = (log.channels.get(f"T_drive_{a}", np.zeros_like(log.time)) for a in AXLES)
     return Signals(
@@ -128,18 +127,26 @@ def axle_pressure(log: Log, axle: str) -> Array:
 
 
 def _reference_speed(log: Log) -> tuple[Array | None, SpeedDelay]:
-    """The reference speed [m/s] (n,), its delay corrected (None if unusable), and that delay."""
+    """Return `AxleSignals.v` and the delay of v as read.
+
+    A v is not usable if a value is held for longer than `_HELD`, or is late by an uncertain time.
+    """
     if "v" not in log or held_time(log) > _HELD:
         return None, IN_TIME
     time, v, a_x = log.time, log["v"], log["a_x"]
     delay = speed_delay(time, v, a_x, log.sample_time)
     if not delay.late:
         return v, delay
-    return in_time(time, v, a_x, delay) if delay.sharp else None, delay
+    if not delay.sharp:
+        return None, delay
+    return in_time(time, v, a_x, delay), delay
 
 
 def held_time(log: Log, channel: str = "v", moving: float = MOVING) -> float:
-    """Mean time [s] that a channel above ``moving`` keeps a value while the car slows, or 0."""
+    """Mean time [s] for which a speed keeps each value while the car slows; 0 if it hardly does.
+
+    Samples count in which the speed is above ``moving``, in its unit.
+    """
     if channel not in log or "a_x" not in log:
         return 0.0
     x, slowing = log[channel], log["a_x"] < -_SLOWING
@@ -158,10 +165,10 @@ def wheels_held(log: Log) -> float:
 
 
 def _before_braking(time: Array, pressure: Array, step: float) -> Mask:
-    """Mask (n,) of the time until `SETTLE` [s] before the first braking; all true without one.
+    """Mask (n,) of the time before the first braking; all true without a braking.
 
-    It ends earlier where the pressure leaves its level at rest: a slow pedal brakes long before the
-    pressure reaches `BITE`.
+    It ends `SETTLE` before the pressure reaches `BITE`, or where the pressure leaves its level at
+    rest if that is earlier: a slow pedal brakes long before.
     """
     smooth = trailing_mean(pressure, samples_in(_SHORT, step))
     braked = np.flatnonzero(smooth > BITE)
@@ -169,16 +176,16 @@ def _before_braking(time: Array, pressure: Array, step: float) -> Mask:
         return np.ones(time.size, bool)
     unbraked = smooth[: braked[0] + 1]
     level = float(np.median(unbraked))
-    leaves = np.flatnonzero(unbraked <= level + 3.0 * scatter(unbraked - level))[-1]
-    return np.asarray(time < min(time[braked[0]] - SETTLE, time[leaves]) - _SHORT)
+    last_at_rest = np.flatnonzero(unbraked <= level + 3.0 * scatter(unbraked - level))[-1]
+    return np.asarray(time < min(time[braked[0]] - SETTLE, time[last_at_rest]) - _SHORT)
 
 
 def _undisturbed(eta: Array, rolling: Mask, step: float) -> Mask:
-    """Mask (n,) without the samples in which ``eta`` is disturbed while ``rolling``; ``step`` [s].
+    """Mask (n,) that is false where ``eta`` is disturbed while the car is ``rolling``.
 
     A clutch that opens late drives an axle with 0.1 % slip, which would move the zero of eta. The
-    usual eta is the median of the last `_LAST` [s] of the rolling before a braking, or of all of it
-    in a coast.
+    usual eta is the median over the last `_LAST` of the rolling before a braking, or over all of
+    the rolling in a coast.
     """
     if np.count_nonzero(rolling) * step < _LAST:
         return np.ones_like(rolling)
@@ -187,7 +194,7 @@ def _undisturbed(eta: Array, rolling: Mask, step: float) -> Mask:
     lead_in = smooth[rolling]
     is_coast = rolling[-1]
     usual = np.median(lead_in if is_coast else lead_in[-round(_LAST / step) :])
-    # means that do not overlap differ by the noise of two; a single step of eta is in few of them
+    # means that do not overlap differ by the noise of two means; few of them see a step of eta
     differences = np.abs(lead_in[4 * width :] - lead_in[: -4 * width])
     sigma = max(scatter(differences) / math.sqrt(2.0), _FINEST)
     disturbed = np.abs(smooth - usual) > _DISTURBED * sigma

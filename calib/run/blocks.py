@@ -1,7 +1,4 @@
-"""Means of the axle signals over blocks of 50 ms, their balance of forces, an axle braked alone.
-
-Blocks are causal: a block is complete at its end.
-"""
+"""Blocks: means of the axle signals over 50 ms, and the balance of forces in each block."""
 
 from dataclasses import dataclass, fields
 from typing import Any, Literal
@@ -25,7 +22,7 @@ BLOCK = 0.05  # intended length of a block [s]: short compared with a brake appl
 class Blocks(AxleSignals):
     """Means over blocks of equal length, shapes (k,), SI."""
 
-    end: Array  # time of the last sample of each block [s]
+    end: Array  # time of the last sample of each block [s], when an ECU has the block
     spin_f: Array  # d omega/dt from the block before [rad/s^2]
     spin_r: Array
     samples: int  # of a block
@@ -68,7 +65,7 @@ def blocks(s: Signals) -> Blocks:
 
 def samples_of_block(sample_time: float) -> int:
     """Number of samples of a block of about `BLOCK`: at 50 Hz two, at 150 Hz seven."""
-    # with 0.45, unlike 0.5, no usual rate is at the edge of rounding, where jitter would decide
+    # with 0.5 instead of 0.45, usual rates would be at the edge of rounding, and jitter decide
     return max(1, int(BLOCK / sample_time + 0.45))
 
 
@@ -89,8 +86,8 @@ Axle = Literal["f", "r"]
 def braked_alone(log: Log) -> Axle | None:
     """Return the axle that alone has a pressure above `BITE`, or None.
 
-    The share of the force of such an axle is known, so its slip gives the stiffness of its tyres
-    without the pads. A motor that brakes the other axle is not seen.
+    Such an axle makes all of the brake force, so its slip gives the stiffness of its tyres, however
+    its pads are. A motor that brakes the other axle is not seen.
     """
     if "p_mc" not in log:
         return None

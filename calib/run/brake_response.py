@@ -2,16 +2,15 @@
 
     demanded brake force = level (1 + trend t) N(t - delay) + force [braked] - fading [slow] + rest
 
-N is the brake force of nominal pads; [braked] is 1 where the pads bite; [slow] rises there from 0
-to 1 while a motor hands over to the brakes, before the car stands. ``force`` is positive for a
-motor that brakes with the pedal, or a zero of the pressure that is too low, and negative for a
-threshold pressure. ``fading``, also positive for a motor, is the force that is lost if the driver
-does not press harder during the handover. Fade of the pads is in the trend, a bias of the
-accelerometer or an unknown resistance in the rest. The delay is a shift or a first-order lag,
-whichever fits better; the response may be wider than either.
+The demanded force follows from the deceleration. N is the brake force of nominal pads; [braked] is
+1 where the pads bite; [slow] rises there from 0 to 1 while a motor hands over to the brakes, before
+the car stands. ``force`` is positive for a motor that brakes with the pedal, or a zero of the
+pressure that is too low, and negative for a threshold pressure. ``fading``, also positive for a
+motor, is the force that is lost if the driver does not press harder during the handover. Fade of
+the pads is in the trend, a bias of the accelerometer or an unknown resistance in the rest. The
+delay is a shift or a first-order lag, whichever fits better; the response may be wider than either.
 
-The whole run is used. Wrong where ABS or a valve limits the brake force: that looks like force
-without pressure.
+Wrong where ABS or a valve limits the brake force: that looks like force without pressure.
 """
 
 from dataclasses import dataclass
@@ -40,20 +39,20 @@ from calib.run.filters import (
 
 _STEP = 0.02  # length of the means that are compared [s]
 _TRIED = 0.06  # step of the delays that are tried [s]; Gauss-Newton steps refine the best
-_EARLIEST, _LATEST = -0.5, 0.5  # delays that are tried [s]: `pressure_delay` finds greater ones
+_EARLIEST, _LATEST = -0.5, 0.5  # range of the delays [s]: `pressure_delay` finds greater ones
 _LAGS = np.array([0.04, 0.08, 0.14, 0.22, 0.32, 0.44])  # time constants that are tried [s]
 _REFINED = 2  # Gauss-Newton steps of the delay
 _USUAL, _SPREAD = 0.02, 0.06
 """Prior mean and sigma of the delay [s]: on a slow ramp the prior alone tells it from a force."""
 _WIDTH = 0.25
-"""Prior sigma of half the variance of the response time, over the squared delay [1]: a first-order
-lag has 1/2, a shift 0. In a fast rise a wide response looks like a force."""
+"""Prior sigma of half the variance of the response time, over the squared delay [1]; a first-order
+lag has 1/2, a shift 0. It matters in a fast rise, where a wide response looks like a force."""
 _FORCE = 0.05  # prior sigma of the force over the usual brake force [1]
 _FADING = 1.0  # prior sigma of the fading force over the usual brake force [1]: hardly informative
 _GROUP = 10  # means over which residuals are averaged to see how they are correlated: 0.2 s
 _LASTING = 1.3
-"""Factor on sigma: noise with a time constant of 0.1 s lasts longer than the means over `_GROUP`
-show, 1/sqrt(1 - (1 - e^-2)/2) by the variance of the mean of a first-order process."""
+"""Factor on sigma, since noise with a time constant of 0.1 s lasts longer than means over `_GROUP`
+show: 1/sqrt(1 - (1 - e^-2)/2), by the variance of the mean of a first-order process."""
 _BEFORE = 0.5  # time that is used before the pressure rises [s]: a late pressure rises after z
 _AFTER = 0.5  # time that is used after a release [s]: later the engine may drive
 _SLOW = 4.0  # speed below which only braking is used [m/s]: an automatic gearbox creeps
@@ -72,7 +71,7 @@ class _ForceStep(NamedTuple):
     """Largest step of the braking force that the pressure does not make."""
 
     time: float = 0.0  # [s]
-    share: float = 0.0  # over the usual brake force [1], positive if the car brakes more after it
+    share: float = 0.0  # over the usual brake force [1]; positive if the force rises
     sigma: float = 1.0  # scatter of such steps in the run [1]
 
 
@@ -92,7 +91,7 @@ class BrakeResponse:
     share: float  # ``force`` of the head of the file
     share_sigma: float
     fading: float = 0.0
-    fading_sigma: float = _FADING  # this prior if no motor hands over
+    fading_sigma: float = _FADING  # the prior, if the car does not brake to a low speed
     force_step: _ForceStep = _NO_STEP
 
 
@@ -125,11 +124,11 @@ class _Means:
 
     step: float
     time: Array  # [s]
-    nominal: Array  # brake force of nominal pads [N]
-    demanded: Array  # brake force by the deceleration [N]
-    braked: Array  # of the head of the file [1]
-    slow: Array  # of the head of the file [1]
-    inside: Mask  # the mean is used
+    nominal: Array  # N of the head of the file [N]
+    demanded: Array  # demanded brake force [N]
+    braked: Array  # [braked] of the head of the file [1]
+    slow: Array  # [slow] of the head of the file [1]
+    inside: Mask  # whether the mean is used
 
     @classmethod
     def of_run(cls, s: Signals, forces: BrakeBalance) -> "_Means":
@@ -157,9 +156,9 @@ def _useful(s: Signals, active: Mask) -> Mask:
     """Mask (n,) of the lead-in, and of braking (``active``) with the time around it."""
     if not active.any():
         return np.zeros_like(active)
-    soon = time_since(-s.time[::-1], active[::-1])[::-1] < _BEFORE
-    lately = time_since(s.time, active) < _AFTER
-    unbraked = (s.lead_in | soon | lately) & (s.speed > _SLOW)
+    brakes_soon = time_since(-s.time[::-1], active[::-1])[::-1] < _BEFORE
+    braked_lately = time_since(s.time, active) < _AFTER
+    unbraked = (s.lead_in | brakes_soon | braked_lately) & (s.speed > _SLOW)
     return np.asarray(unbraked | (active & (s.speed > _GONE)))
 
 
@@ -210,7 +209,7 @@ def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
 
 
 def _likeliest_delay(m: _Means, y: Array) -> tuple[float, bool]:
-    """Most probable delay [s] for the demanded force ``y`` [N], and whether the delay is a lag."""
+    """Most probable delay [s] for the demanded force ``y`` [N], and whether it is a lag."""
     tried, nominal, braked = _tried_delays(m)
     nominal, braked = nominal[:, m.inside], braked[:, m.inside]
     constant, slow = np.ones_like(nominal), np.broadcast_to(m.slow[m.inside], nominal.shape)
@@ -223,10 +222,10 @@ def _likeliest_delay(m: _Means, y: Array) -> tuple[float, bool]:
 
 
 def _tried_delays(m: _Means) -> tuple[Array, Array, Array]:
-    """Delays [s] (d,): none, shifts, lags; the nominal force and [braked] after each, (d, k)."""
+    """Delays [s] (d,), shifts and then lags; the nominal force and [braked] after each, (d, k)."""
     every = samples_in(_TRIED, m.step)
     shifts = np.arange(round(_EARLIEST / m.step), round(_LATEST / m.step) + 1, every)
-    shifts = np.concatenate([[0], shifts[shifts != 0]])
+    shifts = np.concatenate([[0], shifts[shifts != 0]])  # of equals the first, no shift, counts
     earlier = np.clip(np.arange(m.time.size) - shifts[:, None], 0, m.time.size - 1)
     lagged = [first_order(m.time, m.nominal, lag)[None] for lag in _LAGS]
     nominal = np.vstack([m.nominal[earlier], *lagged])
@@ -242,9 +241,9 @@ def _delayed(time: Array, x: Array, delay: float, *, lagged: bool) -> Array:
 
 
 def _largest_step(m: _Means, nominal: Array, residual: Array) -> _ForceStep:
-    """Largest step of ``residual`` in the longest braking, by medians, so that no bump counts.
+    """Largest step of ``residual`` in the longest braking, between medians, as bumps do not count.
 
-    ``nominal`` force and ``residual`` (k,), where ``m.inside``, are over the usual brake force [1].
+    ``nominal`` and ``residual`` force, at ``m.inside``, are over the usual brake force [1].
     """
     time, braked = m.time[m.inside], np.flatnonzero(m.braked[m.inside] == 1.0)
     ends = np.flatnonzero(np.diff(time[braked]) > 1.5 * m.step) + 1

@@ -1,9 +1,10 @@
-"""Channels that are no independent measurement: derivatives, copies, values that are held.
+"""Channels that are no independent measurement: derivatives, copies, held values.
 
-Two sensors have independent noise; two copies share their noise. A bus sends GPS at 10 Hz, a_x and
-wheels at 50 or 100 Hz, and a faster logger repeats the last value: the channel has steps and is
-late by half a step on average. `without_holds` interpolates such a channel between the samples at
-which its values arrived. The delay of the message itself is left to `speed_delay`.
+Two sensors have independent noise, two copies share it (`shares_of_speed`, `copied_pairs`).
+
+A channel is held where a logger repeats the last value of a slower bus, which sends GPS at 10 Hz,
+a_x and wheels at 50 or 100 Hz. It has steps, and is late by half a step on average. `without_holds`
+interpolates it between the samples at which its values arrived.
 """
 
 from collections.abc import Iterator, Sequence
@@ -29,16 +30,15 @@ _HELD = 1.5  # mean samples per value from which a channel is held
 def shares_of_speed(log: Log) -> Iterator[tuple[str, float]]:
     """Yield v and the wheel speeds with the share of the noise of a_x that they explain [1].
 
-    A derivative is a weighted sum of nearby values of the speed, so these explain all of its noise;
-    they explain none of an accelerometer's. The noise is taken from second differences. An a_x
-    without noise, as of a simulation, has no shares.
+    A derivative is a weighted sum of nearby values of the speed, which explain all of its noise,
+    but none of an accelerometer's. Nothing is yielded for an a_x without noise, as of a simulation.
     """
     if not _is_noise(log, "a_x"):
         return
     reach = min(max(2, round(_REACH / log.sample_time)), _MOST_LAGS)
     wheels = np.mean([log[name] for name in WHEEL_SPEEDS], axis=0)
     speeds = {"v": log["v"]} if "v" in log else {}
-    a_x = np.diff(log["a_x"][:_ENOUGH], 2)
+    a_x = np.diff(log["a_x"][:_ENOUGH], 2)  # second differences show the noise
     for name, speed in {**speeds, "the wheel speeds": wheels}.items():
         x = np.diff(speed[:_ENOUGH], 2)
         count = 2 * reach + 1  # weights of the sum
@@ -54,9 +54,8 @@ def shares_of_speed(log: Log) -> Iterator[tuple[str, float]]:
 def copied_pairs(log: Log, names: Sequence[str]) -> Iterator[tuple[str, str, float]]:
     """Yield pairs of channels that are copies, each with the correlation of its noise [1].
 
-    Copies among channels that hold their values change in the same samples, so only the samples in
-    which the first one changes are compared. The noise must
-    correlate also without the samples that change most: a bump shakes all wheels.
+    If both are held, copies change in the same samples, so only these samples are compared. The
+    noise must correlate also without the samples that change most: a bump shakes all wheels.
     """
     periods = {name: _mean_period(log[name]) for name in names}
     noise = {name: _unit(_second_differences(log, name)) for name in names}
@@ -99,13 +98,13 @@ def _is_noise(log: Log, channel: str) -> bool:
 _CHANNELS = ("p_mc", "a_x", "v", *WHEEL_SPEEDS)  # inputs of a diagnosis
 _FEWEST = 20  # changes from which a period is estimated
 _SOONER = 0.1  # share of the changes that may come sooner than a period: messages jitter
-_LATER = 1.6  # a longer time between two changes [periods] is no single period: a value was lost
+_LATER = 1.6  # longest time between two changes that counts as one period [periods]
 _SAME = 0.6  # a value that stays this much longer was sent once more [periods]
 _LONGEST = 0.25  # longest period [s]: a channel that changes less often rests, or is coarse
 
 
 def _mean_period(x: Array) -> float:
-    """Samples [1] for which a channel (n,) keeps each value; 1 where it changes with its clock."""
+    """Samples [1] for which a channel (n,) keeps each value; 1 for a channel that is not held."""
     lengths = np.diff(np.flatnonzero(np.diff(x)))
     if lengths.size < _FEWEST:
         return 1.0
@@ -116,9 +115,10 @@ def _mean_period(x: Array) -> float:
 
 
 def _arrivals(x: Array, longest: float) -> Index | None:
-    """Samples at which the values of a channel (n,) arrived, ascending; None if it is not held.
+    """Samples at which the values of a channel (n,) arrived; None if it is not held.
 
-    A value that stays for several periods arrived once in each; ``longest`` period [samples].
+    A value that stays for several periods arrived once in each. ``longest`` is the longest period
+    of a held channel [samples].
 
     >>> _arrivals(np.repeat([0.0, 4.0, 8.0] * 10, 4), 10)[:3]
     array([0, 4, 8])
@@ -126,17 +126,16 @@ def _arrivals(x: Array, longest: float) -> Index | None:
     period = _mean_period(x)
     if not 1.0 < period <= longest:
         return None
-    first = np.concatenate([[0], np.flatnonzero(np.diff(x)) + 1])
+    first = np.concatenate([[0], np.flatnonzero(np.diff(x)) + 1])  # sample of each new value
     length = np.diff(np.append(first, x.size))
-    repeats = np.maximum(1, np.floor(length / period + 1.0 - _SAME).astype(np.int64))
-    # number of each arrival among those of one value: 0, 1 ...
-    number = np.arange(repeats.sum()) - np.repeat(np.cumsum(repeats) - repeats, repeats)
-    arrivals = np.repeat(first, repeats) + np.round(number * period).astype(np.int64)
+    counts = np.maximum(1, np.floor(length / period + 1.0 - _SAME).astype(np.int64))  # arrivals
+    number = np.concatenate([np.arange(count) for count in counts])  # of an arrival of a value
+    arrivals = np.repeat(first, counts) + np.round(number * period).astype(np.int64)
     return np.asarray(arrivals[arrivals < x.size])
 
 
 def without_holds(log: Log) -> Log:
-    """Return the log with held `_CHANNELS` interpolated, cut at the earliest last arrival."""
+    """Return the log with held channels interpolated, cut where the first of them ends."""
     longest, end = _LONGEST / log.sample_time, log.time.size
     channels, interpolated = dict(log.channels), set(log.interpolated)
     for name in (channel for channel in _CHANNELS if channel in log):

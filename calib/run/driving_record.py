@@ -1,10 +1,10 @@
-r"""Approximate motion of the car in a log: speed, deceleration and brake events.
-
-No vehicle file is needed. The file also holds the `Sampling` of the log's clock.
+r"""Approximate motion of the car in a log, without a vehicle file: speed, deceleration, braking.
 
     p_mc   ___/~~~~\_____/~~\__
               |    |     |  |
               +-event   +-event
+
+The file also holds the `Sampling` of the log's clock.
 """
 
 from dataclasses import dataclass
@@ -27,16 +27,16 @@ shows in eta. A slope is not felt by the accelerometer, and its bias is smaller.
 GREATEST_Z = 1.5  # deceleration that no road car reaches [g]: beyond it a_x has a glitch
 _SHORTEST = 0.3  # shortest brake event [s]
 _PAUSE = 0.2  # shortest release of the brakes that ends an event [s]
-_RISE_MEAN = 0.25  # length of the means whose rise is judged [s]: longer than a tremble of the foot
+_RISE_MEAN = 0.25  # length of the means by which a rise is judged [s]: a foot trembles faster
 SETTLE = 0.1  # time left out between lead-in and first event [s]: pressure rises before the bite
 SMOOTHING = 0.1  # width of the centred mean that reduces the noise [s]
 NOMINAL_RADIUS = 0.32  # rolling radius of a usual wheel [m], for a speed if ``v`` is not logged
 
 
 def is_rolling(z: Array) -> Mask:
-    """Whether a car with the smoothed deceleration ``z`` [g] (n,) rolls, neither braked nor driven.
+    """Whether the car rolls, neither braked nor driven, by its smoothed deceleration ``z`` [g].
 
-    ``z`` is that of the accelerometer, which does not feel a slope.
+    ``z`` (n,) is that of the accelerometer, so a slope changes nothing.
     """
     return np.asarray((z > -DRIVEN_Z) & (z < ROLLING_Z))
 
@@ -139,18 +139,17 @@ def _steady_rise(driving: DrivingRecord, part: slice) -> tuple[float, float]:
     of its height, so that a step followed by a long hold is short.
     """
     moving = driving.moving[part]
-    rising = driving.z[part] if driving.pressure is None else driving.pressure[part]
-    rising, z = rising[moving], driving.z[part][moving]
+    z = driving.z[part][moving]
+    x = z if driving.pressure is None else driving.pressure[part][moving]
     n = samples_in(_RISE_MEAN, driving.step)
-    if rising.size < 2 * n:
+    if x.size < 2 * n:
         return 0.0, 0.0
     longest = (0.0, 0.0)
-    means = block_mean(rising, n)
-    falls = np.diff(means) < -0.05 * np.ptp(means)
-    # an interval has the means that do not fall from the mean before; its rise begins one earlier
-    for start_mean, end_mean in true_intervals(np.concatenate([[True], ~falls])):
-        start = max(start_mean - 1, 0) * n
-        rise = rising[start : end_mean * n]
+    means = block_mean(x, n)
+    change = np.diff(means, prepend=means[0])  # of each mean from the mean before
+    for first_mean, end_mean in true_intervals(change >= -0.05 * np.ptp(means)):
+        start = max(first_mean - 1, 0) * n  # a rise begins in the mean before
+        rise = x[start : end_mean * n]
         low, height = rise[0], rise.max() - rise[0]
         begin = int(np.flatnonzero(rise <= low + 0.05 * height)[-1])
         end = int(np.argmax(rise >= low + 0.95 * height))

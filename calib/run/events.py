@@ -25,7 +25,7 @@ class RunEvent:
 def run_events(log: Log) -> tuple[RunEvent, ...]:
     """Return the events in order of time; none without ``a_x`` and the four wheel speeds.
 
-    Brakings are the brake events of `Run`; of a lead-in with gaps the longest part counts.
+    Of a lead-in with gaps the longest part counts.
     """
     run = Run(log)
     if not run.has_motion_channels:

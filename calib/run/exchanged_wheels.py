@@ -12,8 +12,8 @@ Columns that change places move the E of the car to another part, with this sign
     fl with rl: X = -E      fr with rr: X = E      exchanged on one side
     fl with rr: L = -E      fr with rl: L = E      exchanged on a diagonal
 
-One wheel that brakes more or less changes |X| and |L| alike, so X alone comes from no brake, no
-tyre and no bend.
+One wheel that brakes more or less changes |X| and |L| alike, and a bend only L. So X alone shows
+exchanged columns.
 """
 
 from dataclasses import dataclass
@@ -32,7 +32,7 @@ _PARTS = np.array([[1, 1, -1, -1], [1, -1, 1, -1], [1, -1, -1, 1]]) / 2.0  # of 
 
 @dataclass(frozen=True)
 class WheelParts:
-    """The parts of the change by braking [1], and the mean deceleration of that braking [1]."""
+    """The parts of the change by braking [1], and the mean deceleration of the braking [1]."""
 
     axles: IntervalEstimate  # E
     sides: IntervalEstimate  # L
@@ -45,7 +45,7 @@ class _Crossed(NamedTuple):
 
     wheels: tuple[str, str]
     part: float  # the X or L that shows the exchange [1]
-    slipping: str  # the two wheels that slip more, as text
+    slipping: str  # names of the two wheels that slip more
 
     def __str__(self) -> str:
         front, rear = self.wheels
@@ -71,9 +71,9 @@ def wheel_parts(log: Log, driving: DrivingRecord) -> WheelParts | None:
     return WheelParts(axles, sides, diagonals, float(np.mean(driving.wheel_z[braking])))
 
 
-def _stands_alone(part: IntervalEstimate, largest_other: float, z: float) -> bool:
-    """Whether X or L surely exceeds the other parts, and the effect of unlike brakes at ``z``."""
-    least = max(LIMITS.crossed_alone * largest_other, LIMITS.crossed_least * z)
+def _stands_alone(part: IntervalEstimate, others: tuple[float, float], z: float) -> bool:
+    """Whether X or L exceeds the ``others`` by far, and what unlike brakes make at ``z`` [1]."""
+    least = max(LIMITS.crossed_alone * max(map(abs, others)), LIMITS.crossed_least * z)
     return bool(abs(part.value) - part.half >= least)
 
 
@@ -85,7 +85,7 @@ def crossed_side(parts: WheelParts | None, alone: str | None = None) -> _Crossed
     if parts is None:
         return None
     x = parts.diagonals
-    if not _stands_alone(x, max(abs(parts.axles.value), abs(parts.sides.value)), parts.z):
+    if not _stands_alone(x, (parts.axles.value, parts.sides.value), parts.z):
         return None
     sign_of_e = -1.0 if alone == "r" else 1.0
     wheels = ("fl", "rl") if x.value * sign_of_e < 0.0 else ("fr", "rr")
@@ -100,9 +100,12 @@ def crossed_diagonal(parts: WheelParts | None, expected: float) -> _Crossed | No
     """
     if parts is None:
         return None
-    part, e, x = parts.sides, abs(parts.axles.value), abs(parts.diagonals.value)
+    left_right, e = parts.sides, parts.axles.value
     low, high = abs(expected) / LIMITS.crossed_alone, LIMITS.crossed_alone * abs(expected)
-    if not (_stands_alone(part, max(e, x), parts.z) and low < abs(part.value) < high and e < low):
+    if not (low < abs(left_right.value) < high and abs(e) < low):
         return None
-    wheels = ("fl", "rr") if part.value * expected < 0.0 else ("fr", "rl")
-    return _Crossed(wheels, part.value, "fl and rl" if part.value > 0.0 else "fr and rr")
+    if not _stands_alone(left_right, (e, parts.diagonals.value), parts.z):
+        return None
+    wheels = ("fl", "rr") if left_right.value * expected < 0.0 else ("fr", "rl")
+    slipping = "fl and rl" if left_right.value > 0.0 else "fr and rr"
+    return _Crossed(wheels, left_right.value, slipping)

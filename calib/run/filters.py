@@ -1,7 +1,4 @@
-"""Means, causal filters, and minimum and median of neighbours of a sampled signal.
-
-Below them: times and intervals of a mask, and the residuals of many regressions at once.
-"""
+"""Numerics of sampled signals: means, causal filters, intervals of a mask, many regressions."""
 
 from collections.abc import Sequence
 from functools import lru_cache
@@ -94,7 +91,7 @@ def low_pass(x: Array, step: float, time_constant: float) -> Array:
 def recursive_filter(x: Array, poles: Sequence[float] | Array) -> Array:
     """Output y of y[k] + poles[1] y[k-1] + poles[2] y[k-2] + ... = x[k], from rest, (..., n).
 
-    It is solved as a banded system: to import `scipy.signal` takes longer than to estimate a log.
+    It is solved as a banded system, since `scipy.signal` takes long to import.
 
     >>> recursive_filter(np.array([1.0, 0.0, 0.0]), [1.0, -0.5])
     array([1.  , 0.5 , 0.25])
@@ -104,20 +101,6 @@ def recursive_filter(x: Array, poles: Sequence[float] | Array) -> Array:
     bands = np.repeat(np.asarray(poles)[:, None], x.shape[-1], axis=1)
     y, _ = dtbtrs(bands, x.reshape(-1, x.shape[-1]).T, uplo="L", diag="U")
     return np.asarray(y.T.reshape(x.shape))
-
-
-def sliding_minimum(x: Array, width: int) -> Array:
-    """Least of the ``width`` (odd) samples around each sample, of fewer at the ends. Shape (n,).
-
-    Minima over 1, 2, 4 ... samples are computed until two of them that overlap cover ``width``.
-
-    >>> sliding_minimum(np.array([3.0, 1.0, 2.0, 4.0]), 3)
-    array([1., 1., 1., 2.])
-    """
-    minimum, size = np.pad(x, width // 2, constant_values=np.inf), 1
-    while 2 * size <= width:
-        minimum, size = np.minimum(minimum[:-size], minimum[size:]), 2 * size
-    return np.asarray(np.minimum(minimum[: x.size], minimum[width - size :][: x.size]))
 
 
 def median_of_three(x: Array) -> Array:
@@ -151,18 +134,18 @@ def true_intervals(mask: Mask) -> list[tuple[int, int]]:
 
 
 def inner_products(columns: Array, y: Array) -> tuple[Array, Array, Array]:
-    """Normal equations of m regressions of ``y`` (n,) on k ``columns`` (m, k, n) each.
+    """Return A^T A (m, k, k), A^T y (m, k) and y^T y of m regressions of ``y`` (n,).
 
-    Return A^T A (m, k, k), A^T y (m, k) and y^T y, where A^T is one of the ``columns``, (k, n).
+    The ``columns`` (m, k, n) are the A^T of each regression.
     """
     return columns @ np.swapaxes(columns, 1, 2), columns @ y, y @ y
 
 
 def residual_squares(products: tuple[Array, Array, Array], ridge: Array | float = 0.0) -> Array:
-    """Residual sums of squares (m,) of the regressions of `inner_products`.
+    """Residual sums of squares (m,) from the ``products`` of `inner_products`.
 
     ``ridge`` (k,) penalises the squared coefficients. A zero or repeated column changes nothing.
-    Accurate to 1e-9 of the squares of y.
+    The result is accurate to 1e-9 of y^T y, which may be of shape (m,).
     """
     gram, side, square = products
     identity = np.eye(gram.shape[1])
@@ -176,10 +159,10 @@ def residual_squares(products: tuple[Array, Array, Array], ridge: Array | float 
 
 
 def long_run_variance(x: Array, size: int) -> float:
-    """Variance of white noise that has the same effect as a residual (n,), correlated or not.
+    """Variance of the white noise whose long means scatter as those of a residual ``x`` (n,).
 
-    It is the variance of the residual, or ``size`` times that of its means over ``size`` samples if
-    that is larger. With fewer than four such means the residual is taken as white.
+    It is the variance of ``x``, or ``size`` times that of its means over ``size`` samples if that
+    is larger. With fewer than four such means the residual is taken as white.
     """
     variance = float(np.mean(x**2))
     if x.size < 4 * size:

@@ -1,9 +1,9 @@
-"""Remove known effects from a log, so that the remainder is pad friction.
+"""Remove known effects from a log: the run as the car without the effects would have given it.
 
-    a_x, omega as read ---> a_x, omega of the car                sensor effects undone
-    p_mc --line, caliper--> clamp --pads, left/right--> p_w      pressure that does the same on
-                                                                 pads without the effects
-    mass, radii, inertias as driven                              into the vehicle
+    a_x, omega as read --> a_x, omega of the car              effects on sensors are undone
+    p_mc --> clamping --> torque --> wheel pressures          that make the same torque on lines,
+                                                              calipers and pads without effects
+    mass, radii, inertias as driven --> vehicle
 
 Whatever else slows body or wheels (drag, grade, engine) or moves load (pitch) stays in the balance
 of forces, where a fit and an estimate account for it (`calib.estimation.known`). So does a logged
@@ -61,9 +61,9 @@ class CorrectedRun:
 def remove_known_effects(vehicle: Vehicle, log: Log) -> CorrectedRun:
     """Remove the known effects of a vehicle, empirical terms included, from a log.
 
-    Causal, unless the pressure is logged late (a negative ``hydraulic_delay``). Raises ModelError
-    for an unknown effect, a term on the brakes over a temperature that the log lacks, a term on
-    body or wheels over temperature, and an a_x that cannot be computed from its reading.
+    An ECU can do so, unless the pressure is logged late (a negative ``hydraulic_delay``). Raises
+    ModelError for an unknown effect, a term on the brakes over a temperature that the log lacks, a
+    term on body or wheels over temperature, and an a_x that cannot be computed from its reading.
     """
     full_model = default_model(vehicle)
     for term in full_model.effects.terms:
@@ -98,7 +98,7 @@ def _at_plain_pads(
 ) -> tuple[dict[str, Array], tuple[Array, Array]]:
     """Wheel pressures that make the same torques on pads without effects; factors of the friction.
 
-    Left and right brakes of an axle that are alike are computed once, as the left one (`twin`).
+    If left and right brake of an axle are alike, `Brakes.twin` names the one that is computed.
     """
     logged = {w: log[f"p_{w}"] for w in WHEELS if f"p_{w}" in log}
     pedal = constant_speed(log.time, log["p_mc"], 0.0, source=log.source)
@@ -119,7 +119,7 @@ def _at_plain_pads(
 
 
 def _true_motion(model: Model, log: Log) -> RunHistory:
-    """Motion of the car, errors of the accelerometer undone by iteration; brakes without heat."""
+    """Motion of the car, with the errors of the accelerometer undone by iteration, without heat."""
     car = model.vehicle
     omega = {a: 0.5 * (log[f"omega_{a}l"] + log[f"omega_{a}r"]) for a in AXLES}
     v = log["v"] if "v" in log else car.rear.rolling_radius * omega["r"]
@@ -147,10 +147,7 @@ def _true_motion(model: Model, log: Log) -> RunHistory:
 
 
 def _speeds_in_time(effects: Effects, log: Log, history: RunHistory) -> dict[str, Array]:
-    """Speeds whose delay is known, corrected by the change of v in that time, at constant slip.
-
-    The v of the ``history`` is that of the log, or that of the late wheels if v is not logged.
-    """
+    """Speeds whose delay is known, corrected by the change of v in that time, at constant slip."""
     gained = integral(log.time, -G * history.z)
     v_delay = reading_delay(effects, "speed_delay")
     omega_delay = reading_delay(effects, "wheel_speed_delay")
@@ -160,7 +157,7 @@ def _speeds_in_time(effects: Effects, log: Log, history: RunHistory) -> dict[str
         v = in_time["v"] = log["v"] + (gained - delayed(log.time, gained, v_delay))
     if omega_delay:
         change = gained - delayed(log.time, gained, omega_delay)
-        earlier_v = v - change if "v" in log else v
+        earlier_v = v - change if "v" in log else v  # without v it is that of the late wheels
         ratio = 1.0 + change / np.maximum(earlier_v, MOVING)
         in_time |= {f"omega_{w}": log[f"omega_{w}"] * ratio for w in WHEELS}
     return in_time

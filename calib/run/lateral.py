@@ -3,8 +3,8 @@
     a_y = v^2/R = (omega_r - omega_l)/omega v^2/l_w     free-rolling wheels of equal radius
 
 R is the radius of the bend, l_w the track width, omega the mean of both wheels. Wheel radii that
-differ by 0.5 % look like 3 m/s^2 at 30 m/s; a straight run shows that difference. A braked wheel
-slips in proportion to its force over its load, and the outer wheel carries more load (`turning`).
+differ by 0.5 % look like 3 m/s^2 at 30 m/s; a straight run shows that difference. `turning` has
+the equation for braked wheels.
 """
 
 import numpy as np
@@ -35,8 +35,7 @@ def lateral(
 ) -> Array:
     """Lateral acceleration [m/s^2] (n,), positive in a left bend.
 
-    ``track_width`` l_w [m]; ``straight`` value of `sides` on a straight road [1]; ``slip`` of the
-    braked rear wheels [1] (n,); ``height`` h of the centre of gravity [m].
+    ``straight`` is the value of `sides` on a straight road [1]; the others are as in `turning`.
     """
     a_y = turning(sides(log) - straight, s.speed, track_width, slip, height)
     return low_pass(a_y, s.sample_time, LATERAL_TIME)
@@ -49,15 +48,15 @@ def turning(
     slip: Array | float,
     height: float,
 ) -> Array:
-    """Lateral acceleration [m/s^2] (n,) before the low-pass.
-
-    ``apart`` is the value of `sides` [1] less that on a straight road, ``speed`` v [m/s], (n,); the
-    other arguments are those of `lateral`:
+    """Lateral acceleration a_y [m/s^2] (n,), without a low-pass.
 
         apart = a_y (l_w/v^2 + 4 slip h/(g l_w))
 
-    The outer wheel carries 2 h/(g l_w) a_y more of its load and slips less by that share, the inner
-    one more, if each axle carries its share of the roll moment.
+    ``apart`` is the value of `sides` [1] less that on a straight road, ``speed`` is v [m/s],
+    ``track_width`` l_w [m], ``slip`` that of the braked rear wheels [1], ``height`` that of the
+    centre of gravity, h [m]. If each axle carries its share of the roll moment, the load of the
+    outer wheel grows by the share 2 h/(g l_w) a_y, and its slip falls by that share; those of the
+    inner wheel change the other way.
     """
     by_bend = track_width / np.maximum(speed, MOVING) ** 2
     by_load = 4.0 * np.maximum(slip, 0.0) * height / (G * track_width)

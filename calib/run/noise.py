@@ -1,8 +1,8 @@
 """Noise of each sensor, and the weight of a sample of the lead-in by its age.
 
-    r  noise density of eta or slip [s^0.5]          its mean over T has sd r/sqrt(T)
-    q  random walk of the zero [1/s^0.5]             the zero walks by q sqrt(T) over T
-    tau = r/q [s]                                    steady gain of the Kalman filter: 1/tau
+    r  noise density of eta or slip [s^0.5]      a mean over T has the standard deviation r/sqrt(T)
+    q  random walk of the zero [1/s^0.5]         the zero walks by q sqrt(T) over T
+    tau = r/q [s]                                steady gain of the Kalman filter: 1/tau
 
 The zero of eta or slip is the mean of its lead-in. Rolling radii walk, so the last seconds before
 the bite count most: the steady filter weighs by exp(-age/tau) and has the variance r^2/tau = r q,
@@ -29,12 +29,12 @@ _GROUP = 0.2  # length of the means in which the correlation of noise is seen [s
 
 @dataclass(frozen=True)
 class SensorNoise:
-    """Long-run noise density of the sensors: a mean over T [s] has sd density/sqrt(T)."""
+    """Noise of the sensors: its density over long times, and that of the wheels between samples."""
 
-    omega: float  # of the mean wheel speed of an axle [rad/s s^0.5]
-    z: float  # of the deceleration [s^0.5]
-    v: float  # of the reference speed [m/s s^0.5]
-    omega_white: float  # sd of the white part of the mean wheel speed of an axle [rad/s]
+    omega: float  # density of the mean wheel speed of an axle [rad/s s^0.5]
+    z: float  # density of the deceleration [s^0.5]
+    v: float  # density of the reference speed [m/s s^0.5]
+    omega_white: float  # standard deviation of the white part of ``omega`` [rad/s]
 
 
 def worst_noise(noises: list[SensorNoise]) -> SensorNoise:
@@ -81,7 +81,7 @@ _FEW = 10  # samples of a lead-in that are too few: a third of the estimates are
 
 
 def lead_in_noise(log: Log, s: Signals) -> SensorNoise:
-    """Estimate the noise from the lead-in alone, for causal use: white noise times `_COLOUR`.
+    """Estimate the noise from the lead-in alone, as an ECU can: white noise times `_COLOUR`.
 
     It is 0 for a lead-in of `_FEW` samples or fewer.
     """
@@ -100,12 +100,12 @@ def lead_in_noise(log: Log, s: Signals) -> SensorNoise:
 def _long_run_density(
     x: Array, step: float, companion: Array | None = None, window: float = 4.0
 ) -> float:
-    """Long-run noise density [unit s^0.5] of block means ``x`` taken every ``step`` [s].
+    """Noise density over long times [unit s^0.5] of block means ``x`` taken every ``step`` [s].
 
     Blocks are averaged to groups of `_GROUP` [s]. In each ``window`` [s] the motion of the car is
     subtracted: a parabola and the ``companion``, a signal with the same motion. The residual is
-    taken as an AR(1) process with coefficient r and long-run standard deviation
-    sd sqrt((1 + r)/(1 - r)); r is corrected for the fitted degrees of freedom and not below 0.
+    taken as an AR(1) process. With its coefficient a, corrected for the fitted degrees of freedom
+    and not below 0, long means scatter by sqrt((1 + a)/(1 - a)) more than those of white noise.
     Noise with a time constant of 0.1 s comes out 10 % too low, 30 % with a ``window`` of 2 s
     (tests/run/test_noise.py). With fewer than 8 groups the noise is taken as white.
     """
@@ -132,13 +132,13 @@ def _long_run_density(
     total = float(np.sum(residual**2))
     if total == 0.0:
         return 0.0
-    # the median leaves out the window of the brake application; r does not, so the density may be
+    # the median leaves out the window of the brake application; a does not, so the density may be
     # too high by up to a factor of 3
     variance = float(np.median(np.sum(residual**2, axis=1))) / (length - fitted)
     lagged = float(np.sum(residual[:, 1:] * residual[:, :-1]))
-    r = lagged / total * length / (length - 1) + fitted / length
-    r = min(max(r, 0.0), 0.8)
-    return float(np.sqrt(variance * step * (1.0 + r) / (1.0 - r)))
+    a = lagged / total * length / (length - 1) + fitted / length
+    a = min(max(a, 0.0), 0.8)
+    return float(np.sqrt(variance * step * (1.0 + a) / (1.0 - a)))
 
 
 WALK = 1.2e-5
@@ -152,11 +152,11 @@ _OLDEST = 12.0  # age over tau from which a sample has no weight instead of exp(
 def sigma_growth(time: Array, rolling: Mask, density: Array) -> Array:
     """Factor (n,) on the sigma of samples of the lead-in, ``rolling`` (n,), by their age.
 
-    It is exp(age/(2 tau)), so that the weights are exp(-age/tau). ``time`` [s] and ``density`` r
-    [s^0.5] are (n,). The factor is 1 outside the lead-in and infinite from `_OLDEST` on.
+    It is exp(age/(2 tau)), so that weights, 1/sigma^2, are exp(-age/tau); outside the lead-in it is
+    1, from `_OLDEST` on infinite. ``time`` [s] and ``density`` r [s^0.5] are (n,).
     """
     if not rolling.any():
         return np.ones_like(time)
-    age = (time[rolling][-1] - time) * WALK / density
+    age = (time[rolling][-1] - time) * WALK / density  # over tau
     factor = np.exp(0.5 * np.clip(age, 0.0, _OLDEST))
     return np.where(rolling, np.where(age > _OLDEST, np.inf, factor), 1.0)

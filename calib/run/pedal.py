@@ -1,7 +1,7 @@
-"""The driver's pressure without the noise of its sensor.
+"""The driver's pressure without the noise of its sensor, for a simulation.
 
-A simulation gets this pressure. Effects with memory, such as hysteresis, would react to the noise,
-and noise that is cut at zero has a positive mean, like slight braking.
+Effects with memory, such as hysteresis, would react to the noise, and noise that is cut at zero has
+a positive mean, like slight braking.
 """
 
 import math
@@ -15,20 +15,19 @@ from calib.run.filters import centred_mean, samples_in
 _HOLD = 0.1  # width over which a constant pressure is averaged [s]
 _WIDEST = 8  # largest lag of a third difference [samples]
 _HIDDEN = 1.5  # noise at a larger lag over that at lag one, from which the larger one counts [1]
-
 RELEASED = 0.4e5  # a constant pressure below this [Pa] counts as zero: springs keep the pads off
-_CONSTANT = 8.0  # range of a constant pressure over 2 `_HOLD` [sigma of the noise]: plus, minus 4
-_PEAK = 8.0
-"""Height of a peak beside a constant pressure up to which it is noise [sigma]: a parabola over a
-corner errs by four, and the sample there by as many."""
+_NOISE = 4.0  # largest deviation by noise [sigma]
+_CONSTANT = 2.0 * _NOISE  # range of a constant pressure within 2 `_HOLD` [sigma]
+_PEAK = 2.0 * _NOISE
+"""Height of a peak beside a constant pressure up to which it is noise [sigma]: at a corner both the
+parabola and the sample may err by `_NOISE`."""
 
 
 def as_pressed(p: Array, step: float) -> Array:
     """Pressure [Pa] (n,) averaged where it is constant, smoothed where it changes; ``step`` [s].
 
-    Where it changes, a parabola through its neighbours replaces a sample, unless the two differ by
-    more than four sigma of the noise: a fast application stays sharp. A pressure without noise is
-    not changed.
+    Where it changes, a parabola through its neighbours replaces a sample. If the two differ by more
+    than `_NOISE`, the sample stays: a fast application stays sharp.
     """
     from scipy.ndimage import maximum_filter1d, minimum_filter1d
     from scipy.signal import savgol_filter
@@ -41,7 +40,7 @@ def as_pressed(p: Array, step: float) -> Array:
     swing = maximum_filter1d(p, 2 * width) - minimum_filter1d(p, 2 * width)
     constant = swing < _CONSTANT * sigma
     parabola = savgol_filter(p, max(5, width | 1), 2)
-    changing = np.where(np.abs(parabola - p) < 4.0 * sigma, parabola, p)
+    changing = np.where(np.abs(parabola - p) < _NOISE * sigma, parabola, p)
     smooth = np.where(constant, np.where(mean < RELEASED, 0.0, mean), changing)
     return _without_peaks(smooth, constant, _PEAK * sigma, width)
 

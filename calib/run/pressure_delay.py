@@ -3,12 +3,14 @@
     z(t) = a + (b + c t) p + f min(p, 1.5 bar) + g min(p, 3 bar) + d T_drive(t) + residual
                                            with p at the time t - delay
 
-The lead-in and the braking are used. a is resistance and bias of a_x, b the pads, c their fade or
-drying, d a motor; f and g are pads that bite late or a motor that brakes along. On a slow ramp f, g
-and the delay are nearly collinear, so f and g have a narrow prior. The delay has a Cauchy prior:
-brakes are fast, but two clocks may differ by anything. Before the log the pressure is that of the
-first sample, after the log it is unknown. Wrong where a wheel is at its limit, and where the torque
-of a motor looks like the pressure at another time.
+a is resistance and bias of a_x, b the pads, c their fade or drying, d a motor; f and g are pads
+that bite late or a motor that brakes along. On a slow ramp f, g and the delay are nearly collinear,
+so f and g have a narrow prior. The delay has a Cauchy prior: brakes are fast, but two clocks may
+differ by anything. For each delay of `_TRIED` the other unknowns are found by least squares.
+
+The lead-in and the braking are used. Before the log the pressure is that of the first sample, after
+the log it is unknown. Wrong where a wheel is at its limit, and where the torque of a motor looks
+like the pressure at another time.
 """
 
 from collections.abc import Sequence
@@ -39,7 +41,7 @@ _USUAL, _SPREAD = 0.02, 0.06
 it, and its tails allow a second."""
 _SURE = 0.98  # probability that the delay is above `low`, and that it is below `high` [1]
 _IN_TIME = 0.6  # longest delay of brakes [s]: a diagnosis looks for lags and delays of up to 0.5 s
-_KEPT, _BRAKED = 0.5, 0.25  # least shares of all and of braked samples that lie within the log [1]
+_KEPT, _BRAKED = 0.5, 0.25  # least shares of all and of braked rows with a known pressure [1]
 _SLOWS = 1.5 * BITE_Z  # deceleration that is a braking at any pressure [g]: above a low gear
 _BITES = (1.0, 2.0)  # pressures up to which f and g act, over `BITE` [1]
 _FORCE = 0.05  # prior sigma of f and of g, at these pressures, over the usual deceleration [1]
@@ -75,10 +77,10 @@ class PressureDelay:
 
 
 def delays_of(log: Log, driving: DrivingRecord, limit: float) -> dict[str, PressureDelay]:
-    """Delay of z after each pressure channel, up to the time ``limit`` [s] of the first deep slip.
+    """Delay of z after the pressures, by channel; one delay for all channels.
 
-    If the wheel pressures of an axle are logged, they have the delay instead of ``p_mc``, which
-    does not show a motor, booster or hold. All channels share one delay.
+    The log is used up to the ``limit`` [s], the first deep slip. If both wheel pressures of an axle
+    are logged, they count instead of ``p_mc``, which does not show a motor, booster or hold.
     """
     channels, pressures = ["p_mc"], [log["p_mc"]]
     if wheels := [f"p_{w}" for w in WHEELS if f"p_{w[0]}l" in log and f"p_{w[0]}r" in log]:
@@ -112,9 +114,9 @@ def pressure_delay(
     rows = rows[:: samples_in(LIMITS.pressure_every, step)]
     usual = abs(float(np.median(z[use & active])))
     tried, inside, p = _shifted(time, bites, rows, slowed[rows])
-    # p of each pressure and delay (k, m, n); the terms of the head, those of f and g the last
     drifting = (time[rows] - time[rows[0]]) * p
     at_bite = [np.clip(np.max(p, axis=0) / bite, 0.0, 1.0) for bite in _BITES]
+    # factors of a, d, b, c, and at last of f and g: 1, (n,) or, by delay, (m, n)
     terms = (1.0, *(x[rows] for x in torques), *p, *drifting, *at_bite)
     columns = np.empty((tried.size, len(terms), rows.size))
     for i, term in enumerate(terms):
@@ -125,9 +127,9 @@ def pressure_delay(
 
 
 def _means(time: Array, use: Mask, *signals: Array) -> tuple[Array, Mask, list[Array]]:
-    """Times (k,), ``use`` and the ``signals``, averaged over a window around each sample.
+    """Means of the ``signals`` around each sample, its time, and whether all of them are of use.
 
-    Samples without a full window are left out. The new ``use`` is true if all of the window is.
+    Samples near an end of the log, without a full window, are left out.
     """
     width = samples_in(LIMITS.pressure_width, step_of(time)) | 1
     inside = slice(width // 2, time.size - width // 2)
@@ -138,10 +140,10 @@ def _means(time: Array, use: Mask, *signals: Array) -> tuple[Array, Mask, list[A
 def _shifted(
     time: Array, pressures: Sequence[Array], rows: Index, braked: Mask
 ) -> tuple[Array, Mask, Array]:
-    """Delays to try, mask of known pressures, and pressures at ``rows`` (n,) before each delay.
+    """Delays to try (m,), where p(t - delay) is known (m, n), and the k pressures p (k, m, n).
 
-    The m delays leave enough rows, and enough ``braked`` (n,) ones, within the log. The mask is
-    (m, n), the k pressures are (k, m, n).
+    The times t are those of ``rows`` (n,), ``braked`` or not. A delay is tried if enough of p is
+    known.
     """
     earlier = time[rows] - _TRIED[:, None]  # (161, n)
     inside = earlier <= time[-1]
@@ -156,8 +158,8 @@ def _posterior(
 ) -> PressureDelay | None:
     """Posterior of the delay; None where ``y`` (n,) is constant.
 
-    ``columns`` (m, k, n) are those of the regression with each of the delays ``tried`` [s] (m,),
-    0 where not ``inside`` (m, n) of the log; ``force`` is the prior sigma of f and g [1].
+    ``columns`` (m, k, n) are those of the regression at each of the delays ``tried`` [s] (m,), 0
+    where p is not known, that is not ``inside`` (m, n); ``force`` is the prior sigma of f and g.
     """
     if not np.ptp(y) > _EXACT**0.5:  # the sensor is stuck
         return None
@@ -165,7 +167,7 @@ def _posterior(
     gram, side, _ = inner_products(columns, y)
     products = gram, side, inside @ y**2
     ridge = np.zeros(columns.shape[1])
-    for _ in range(2):  # the first pass gives the noise, and with the noise the weight of the prior
+    for _ in range(2):  # the first pass gives the noise, which the weight of the prior needs
         squares = residual_squares(products, ridge) / samples + _EXACT
         cost = samples * np.log(squares / variance)  # of white noise, -2 times the log-likelihood
         best = int(np.argmin(cost))

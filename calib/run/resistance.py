@@ -2,10 +2,9 @@
 
     W z - sum(J d omega/dt)/R = 1/2 rho c_d A v^2 + c_rr W
 
-The prior is that of the effects' cards (typical values, spreads and ranges). A short lead-in fixes
+The prior is that of the effects' cards: typical values, spreads and ranges. A short lead-in fixes
 the sum of drag and rolling at one speed and leaves their shares to the prior; a coast over a wide
-range of speeds separates them. Wrong when the engine drives or brakes, in wind, and on a slope that
-the accelerometer does not see.
+range of speeds separates them. Wrong when the engine drives or brakes, and in wind.
 """
 
 from collections.abc import Iterable
@@ -26,14 +25,14 @@ _CARDS = (AERODYNAMIC_DRAG.card, ROLLING_RESISTANCE.card)
 DRAG, ROLLING = ((card.name, card.parameters[0].name) for card in _CARDS)
 """Name of the effect, and of its parameter that is estimated: drag area and rolling coefficient."""
 RESISTANCE = (DRAG[0], ROLLING[0])
-_FIXED = 0.02  # sigma of a value of the vehicle file over that of the prior: keeps algebra regular
+_FIXED = 0.02  # sigma of a value that the vehicle file gives, over the spread of the prior [1]
 
 
 @dataclass(frozen=True)
 class Resistance:
     """Drag and rolling resistance, estimated or of the vehicle file."""
 
-    effects: Effects  # all known ones on body and wheels, drag and rolling resistance among them
+    effects: Effects  # all effects of the vehicle, with drag and rolling resistance
     covariance: tuple[tuple[float, ...], ...]  # of drag area [m^2] and coefficient [1], (2, 2)
     specified: bool = False  # whether the vehicle file gave both
 
@@ -51,11 +50,11 @@ class Resistance:
 
 
 def identify(vehicle: Vehicle, runs: Iterable[tuple[Blocks, float]]) -> Resistance:
-    """Estimate drag and rolling resistance from the unbraked blocks of ``runs``.
+    """Estimate drag and rolling resistance from the lead-ins of ``runs``: blocks, noise of z.
 
-    Each run comes with the noise density of its z [s^0.5]. Values of the vehicle file stay, and
-    its other effects are removed first. The result is the posterior mode within the ranges of the
-    cards, with a Gaussian prior at their typical values; the covariance ignores the ranges.
+    The noise is a density [s^0.5]. Values of the vehicle file stay, and its other effects are
+    removed first. The result is the posterior mode within the ranges of the cards, with a Gaussian
+    prior at their typical values; the covariance ignores the ranges.
 
     Raises ModelError for an unknown effect or parameter of the vehicle, or a value out of range.
     """
@@ -76,13 +75,13 @@ def identify(vehicle: Vehicle, runs: Iterable[tuple[Blocks, float]]) -> Resistan
             continue
         resistance = (block_balance(vehicle, others, b).demanded / vehicle.weight)[use]
         gain = np.column_stack([_drag_gain(vehicle, b.speed[use]), np.ones(count)])
-        # noise is white within a run; the error that is not modelled is common to the run
+        # sigma of a block, for ``count`` of them: white noise, and an error that all blocks share
         sigma = np.sqrt(density**2 / b.length + count * _MODEL_ERROR**2)
         rows.append(gain / sigma)
         sides.append(resistance / sigma)
     A, y = np.vstack(rows), np.concatenate(sides)
     if np.any(free):
-        # a value that is below its range by rounding alone makes no bound active
+        # 1e-12: a value that is below its range by rounding alone makes no bound active
         low, high = np.asarray([(p.low - 1e-12, p.high) for p in priors])[free].T
         residual = y - A[:, ~free] @ solution[~free]
         solution[free] = _bounded(A[:, free], residual, low, high)

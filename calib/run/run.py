@@ -1,13 +1,12 @@
-"""One log of one car: each view of the log is computed once, when it is first asked for.
+"""A log of a car: each view of the log is computed once, when it is first asked for.
 
-    log --> driving record --> events, slips, axles, wheels, sensors  needs no vehicle
+    log --> driving record --> events, slips, axles, wheels, sensors     without a vehicle
      |
-     +--> known effects taken out --> signals --> blocks --> noise    where a fit and an estimate
-                                         |          |                 start
-                                         |          +--> accelerometer
+     +--> known effects taken out --> signals --> blocks --> noise, accelerometer
+                                         |
                                          +--> lead-in, rolling radii, response of the brakes
 
-Without a vehicle there are the views of the first line, and signals and blocks as read.
+A fit and an estimate start from the second line. Without a vehicle its signals are as read.
 """
 
 import math
@@ -54,7 +53,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """Views of a ``log`` of a ``vehicle``; if ``causal``, with the signals that an ECU has."""
+    """Views of a ``log``, of a ``vehicle`` if known; if ``causal``, as an ECU has the signals."""
 
     log: Log
     vehicle: Vehicle | None = None
@@ -106,7 +105,7 @@ class Run:
 
     @cached_property
     def rolling(self) -> Mask:
-        """Mask (n,) of the lead-in, unbraked rolling before the first braking; it zeroes eta."""
+        """Mask (n,) of the lead-in: unbraked rolling before the first braking, to zero eta."""
         if not self.has_motion_channels or self.speed < MOVING:
             return np.zeros(self.log.time.size, bool)
         if "p_mc" in self.log:
@@ -169,7 +168,7 @@ class Run:
 
     @property
     def first_slip(self) -> float:
-        """Time at which a wheel first slips deeply [s]; infinite where none is known to."""
+        """Time at which a wheel first slips deeply [s]; infinite if none is known to."""
         return self.slipping.first if self.slipping else math.inf
 
     @cached_property
@@ -179,7 +178,7 @@ class Run:
 
     @cached_property
     def wheels(self) -> WheelParts | None:
-        """Change of the four slips by braking; None also without rolling or braking."""
+        """Change of the four slips by braking; None without enough rolling or braking, too."""
         return wheel_parts(self.log, self.driving) if self.has_motion_channels else None
 
     # --- the car, its known effects taken out -----------------------------------------------------
@@ -251,7 +250,7 @@ class Run:
         return accelerometer(evidence, unexplained, resistance.sigma_z(self.car, b.speed))
 
     def felt(self, sensor: Accelerometer | None) -> Blocks:
-        """Blocks with the z that the tyres feel, by the ``sensor``; as read without a sensor."""
+        """Return the blocks with the z that the tyres feel; without ``sensor``, z as read."""
         b = self.blocks
         return b if sensor is None else replace(b, z=sensor.corrected(b.z))
 
@@ -261,7 +260,7 @@ class Run:
 
 
 def figures(run: Run) -> dict[str, float | None]:
-    """Return every figure of `batch check`, in SI; None for a figure that the log does not give."""
+    """Return the figures of `batch check`, in SI; None for a figure that the log does not give."""
     clock, pressure = run.clock, run.sensor("p_mc")
     zero = run.axles.front_rear if run.axles else None
     return {

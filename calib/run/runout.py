@@ -6,8 +6,8 @@ with the wheel angle phi:
     omega read = omega (1 + sum_k a_k cos(k phi) + b_k sin(k phi))      k = 1, 2
 
 Run-out of 0.05 mm on a radius of 50 mm makes an error of 0.1 % once a turn, a third of the change
-of eta in a braking; an oval ring errs twice a turn. The mean speed over one turn is free of the
-error, so omega over that mean shows the error and the noise. a_k and b_k are constant over a log.
+of eta in a braking; an oval ring errs twice a turn. The mean speed over one turn has no such error,
+so omega over that mean shows the error and the noise. a_k and b_k are constant over a log.
 """
 
 import numpy as np
@@ -16,7 +16,7 @@ from calib.base.arrays import Array
 from calib.base.intervals import scatter
 from calib.car.lag import integral
 
-_SLOWEST = 15.0  # wheel speed [rad/s] below which a turn takes longer than a brake to build up
+_SLOWEST = 15.0  # wheel speed [rad/s] below which brakes build up faster than the wheel turns
 _TURNS = 20  # fewest turns that separate an error of the ring from motion of the car
 _COARSEST = 0.5 * np.pi  # largest angle between two samples [rad]: the second order must be seen
 _FEWEST = 100  # fewest samples of a fit
@@ -41,17 +41,16 @@ def without_runout(omega: Array, step: float) -> Array:
     rising = np.maximum.accumulate(angle)
     angles = angle[use]
     turn_end, turn_start = (np.interp(angles + half, rising, time) for half in (np.pi, -np.pi))
-    error = omega[use] * (turn_end - turn_start) / (2.0 * np.pi) - 1.0
+    error = omega[use] * (turn_end - turn_start) / (2.0 * np.pi) - 1.0  # over the mean of the turn
     near = np.abs(error) <= 5.0 * max(scatter(error), 1e-9)
     if np.count_nonzero(near) < _FEWEST:
         return omega
     error, columns = error[near], _orders(angles[near])
     middle = error.size // 2
-    fitted, early, late = (
-        _coefficients(columns[:, part], error[part])
-        for part in (slice(None), slice(middle), slice(middle, None))  # all, both halves
-    )
-    amplitude, change = (np.hypot(x[0::2], x[1::2]) for x in (fitted, early - late))  # by order
+    fitted = _coefficients(columns, error)
+    early = _coefficients(columns[:, :middle], error[:middle])
+    late = _coefficients(columns[:, middle:], error[middle:])
+    amplitude, change = (np.hypot(x[0::2], x[1::2]) for x in (fitted, early - late))  # (2,) orders
     sigma = float(np.std(error - fitted @ columns)) * np.sqrt(2.0 / error.size)
     significant = (amplitude > max(_SURE * sigma, _SMALLEST)) & (change < _ALIKE * amplitude)
     if not significant.any():

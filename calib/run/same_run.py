@@ -1,8 +1,8 @@
 """Whether two logs are one run: saved in another format, rounded, cut or resampled.
 
 Two runs have independent noise, even if a robot drives both; a copy has the noise of its original.
-Means over 50 ms are aligned by the wheel speeds, and their difference is compared with their noise.
-Where the two are close, third differences, which contain only noise, are compared by their signs:
+Means a and b over 50 ms are aligned by the wheel speeds. Their difference is compared with their
+noise, sigma. Where D is close to 1, third differences, which are noise alone, decide by r:
 
     D = spread of (a - b), squared, over sigma_a^2 + sigma_b^2     one run: 0 to 0.9; two: 1 or more
     r = sin(pi/2 * mean(sign(a''') * sign(b''')))                  one run: 0.3 to 1; two: about 0
@@ -31,7 +31,7 @@ from calib.logs.log import Log
 from calib.run.sensors import resolution_of
 
 _COMPARED = ("p_mc", "a_x", *WHEEL_SPEEDS, "v")
-_LAG_STEPS = 3  # steps of Newton's method to a lag that is not a whole number of means
+_LAG_STEPS = 3  # Newton steps to a lag that is not a whole number of means
 VERSION = 1
 _FINE = 0.25  # unit of the whole numbers over the noise [1]: rounding adds 0.3 % to its square
 _MOST = 2.0**40  # largest whole number of a channel that has no noise
@@ -93,7 +93,7 @@ def _agree(a: _View, other: Log, step: float) -> bool:
     """Whether the channels agree at the best lag.
 
     The lag is first a whole number of means over ``step`` [s]. The means of ``other`` are then
-    taken again from a later sample on, until the means of both runs begin together.
+    computed again from a later time on, until the means of both runs begin together.
     """
     b = _view_of(other, step)
     if min(a["wheels"].size, b["wheels"].size) < LIMITS.run_fewest:
@@ -116,7 +116,7 @@ def _agree(a: _View, other: Log, step: float) -> bool:
 
 
 def _is_one_run(view: _View, other: _View, lag: int) -> bool:
-    """Whether D, the median of channels, and r show one run; ``other`` begins ``lag`` later."""
+    """Whether D, the median over the channels, and r show one run; ``lag`` as in `_overlap`."""
     pairs = {
         name: _overlap(view[name], other[name], lag)
         for name in _COMPARED
@@ -126,11 +126,11 @@ def _is_one_run(view: _View, other: _View, lag: int) -> bool:
     wheels = [spreads.pop(name) for name in WHEEL_SPEEDS if name in spreads]
     if wheels:  # they count as one channel
         spreads["wheels"] = float(np.median(wheels))
-    d = float(np.median(list(spreads.values()))) if spreads else np.inf
-    if d < LIMITS.run_alike:
+    spread = float(np.median(list(spreads.values()))) if spreads else np.inf
+    if spread < LIMITS.run_alike:
         return True
     r = _sign_correlation(list(pairs.values()))
-    return bool(d < LIMITS.run_two and r > LIMITS.run_together)
+    return bool(spread < LIMITS.run_two and r > LIMITS.run_together)
 
 
 def _overlap(view: Array, other: Array, lag: int) -> tuple[Array, Array]:
@@ -150,7 +150,7 @@ def _spread(a: Array, b: Array) -> float:
 
 
 def _sign_correlation(pairs: list[tuple[Array, Array]]) -> float:
-    """Correlation r [1] of third differences, by their signs: the bite is large in both runs."""
+    """Correlation r [1] of third differences, by their signs, as the bite is large in all runs."""
     signs = [np.sign(np.diff(a, 3)) * np.sign(np.diff(b, 3)) for a, b in pairs]
     products = np.concatenate(signs)
     products = products[products != 0.0]
@@ -169,10 +169,10 @@ def _residual_lag(view: Array, other: Array, lag: int) -> tuple[float, float]:
 
 
 def _best_lag(a: Array, b: Array) -> int:
-    """Lag of ``b`` in ``a`` [means] with the least mean square difference.
+    """Lag [means], as in `_overlap`, with the least mean square difference.
 
-    The sum of (a - b)^2 over the overlap is that of a^2 + b^2 less twice that of a b. The latter is
-    a correlation, which the Fourier transform gives for all lags at once.
+    The sum of (a - b)^2 over the overlap is that of a^2 + b^2 less twice that of a b, a correlation
+    that the Fourier transform gives for all lags at once.
     """
     least = max(LIMITS.run_fewest, int(LIMITS.run_overlap * min(a.size, b.size)))
     centre = float(a.mean())
@@ -230,23 +230,18 @@ def _noise_of(x: Array) -> float:
 def refuse_copies(fitted: Sequence[Log], held_out: Sequence[Log] = ()) -> None:
     """Raise LogError for a run that is given twice, among the ``fitted`` and ``held_out`` logs."""
     for i, log in enumerate(fitted):
-        refuse_copy(log, fitted[:i])
+        refuse_copy(log, fitted[:i], "given twice")
+    leak = "which is among the calibration logs: it is no hold-out and proves nothing"
     for i, log in enumerate(held_out):
-        refuse_copy(log, fitted, held_out[:i])
+        refuse_copy(log, fitted, leak, "hold out a run of its own")
+        refuse_copy(log, held_out[:i])
 
 
-def refuse_copy(log: Log, fitted: Sequence[Log], held_out: Sequence[Log] | None = None) -> None:
-    """Raise LogError if ``log`` is a copy of a ``fitted`` log, or of a ``held_out`` one.
-
-    With ``held_out``, which may be empty, the log itself is held out.
-    """
-    if held_out is None:
-        candidates = [(original, "given twice", "give each run once") for original in fitted]
-    else:
-        reason = "which is among the calibration logs: it is no hold-out and proves nothing"
-        candidates = [(original, reason, "hold out a run of its own") for original in fitted]
-        candidates += [(other, "held out twice", "give each run once") for other in held_out]
-    for original, reason, do in candidates:
-        if same_run(original, log):
-            text = f"the same run as {original.source}, {reason}"
+def refuse_copy(
+    log: Log, others: Sequence[Log], flaw: str = "held out twice", do: str = "give each run once"
+) -> None:
+    """Raise LogError with the ``flaw`` and what to ``do`` if ``log`` is a copy of one of others."""
+    for other in others:
+        if same_run(other, log):
+            text = f"the same run as {other.source}, {flaw}"
             raise LogError(text, where=log.source, do=do)

@@ -1,7 +1,6 @@
-"""Properties of the sensor of each channel: range, resolution, noise, stuck values, saturation."""
+"""The sensor of each channel of a log: range, resolution, noise, stuck values, saturation."""
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -12,90 +11,47 @@ from calib.logs.log import Log
 from calib.run.driving_record import SMOOTHING, DrivingRecord
 from calib.run.filters import true_intervals
 
-_RESTING = ("T_drive_f", "T_drive_r")  # at rest at the highest value if a motor only brakes
+# a motor that only brakes has its highest torque, zero, at rest: that is no end of a range
+_HIGHEST_AT_REST = ("T_drive_f", "T_drive_r")
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True)
 class Sensor:
-    """Sensor of a ``channel`` of a ``log``, SI; without ``driving`` all counts as unbraked."""
+    """Properties of the sensor of a ``channel``, by the values of a log, in SI."""
 
     channel: str
-    log: Log
-    driving: DrivingRecord | None
-
-    @property
-    def _x(self) -> Array:
-        return self.log[self.channel]
-
-    @cached_property
-    def _quiet(self) -> Array:
-        """Values while the car rolls unbraked."""
-        return self._x if self.driving is None else self._x[self.driving.unbraked]
-
-    @cached_property
-    def low(self) -> float:
-        """Lowest value."""
-        return float(self._x.min())
-
-    @cached_property
-    def high(self) -> float:
-        """Highest value."""
-        return float(self._x.max())
-
-    @cached_property
-    def resolution(self) -> float:
-        """Step of the values; 0 if there is none, or for an interpolated channel."""
-        return 0.0 if self.channel in self.log.interpolated else resolution_of(self._x)
-
-    @cached_property
-    def noise(self) -> float:
-        """Standard deviation of the white noise, unbraked, without outliers; NaN if too short."""
-        if self._quiet.size < LIMITS.noise_fewest:
-            return float("nan")
-        change = np.diff(self._quiet, 3)  # almost no motion, and 20 times the variance of the noise
-        usual = np.abs(change) <= 5.0 * np.quantile(np.abs(change), 0.84)  # 0.84: about one sigma
-        return float(np.sqrt(np.mean(change[usual] ** 2) / 20.0))
-
-    @cached_property
-    def flat(self) -> float:
-        """Share of the unbraked samples that have their most frequent value [1]."""
-        return _flatness(self._quiet)
-
-    @cached_property
-    def stuck(self) -> tuple[tuple[float, float], ...]:
-        """Start and end [s] of each interval of over a second in which the value is stuck."""
-        driving = self.driving
-        if driving is None:
-            return ()
-        same = np.concatenate([[False], np.diff(self._x) == 0])
-        constant = [
-            (start - 1, end)  # the value is that of the sample before
-            for start, end in true_intervals(same)
-            if (end - start) * driving.step >= LIMITS.hanging
-        ]
-        return tuple(
-            (float(driving.time[start]), float(driving.time[end - 1]))
-            for start, end in constant
-            if _others_move(self.channel, self.log, driving, slice(start, end))
-        )
-
-    @cached_property
-    def saturated(self) -> float:
-        """Time for which the value stays at the end of its range [s], 0 if that is usual."""
-        name, x = self.channel, self._x
-        if name in _RESTING or (name.startswith("p_") and _is_held(x, self.driving)):
-            return 0.0
-        return _saturation(-x if name == "a_x" else x, self.log.sample_time)
-
-
-# properties of a `Sensor` that a JSON document has
-FIGURES = ("channel", "low", "high", "resolution", "noise", "flat", "stuck", "saturated")
+    low: float  # lowest value
+    high: float  # highest value
+    resolution: float  # step of the values; 0 if there is none, or for an interpolated channel
+    noise: float  # standard deviation of the white noise, unbraked; NaN if that part is too short
+    flat: float  # share of the unbraked samples that have their most frequent value [1]
+    stuck: tuple[tuple[float, float], ...]  # start and end [s] of each time with a stuck value
+    saturated: float  # time at the end of the range [s]; 0 if the value may stay there
 
 
 def sensors_of(log: Log, driving: DrivingRecord | None) -> tuple[Sensor, ...]:
-    """Return the sensors of all measured channels except ``time``."""
-    names = (name for name in CHANNELS if name in log and name != "time")
-    return tuple(Sensor(name, log, driving) for name in names)
+    """Return the sensors of all measured channels except ``time``.
+
+    Without ``driving`` all samples count as unbraked, and no value as stuck.
+    """
+    names = [name for name in CHANNELS if name in log and name != "time"]
+    return tuple(_sensor(name, log, driving) for name in names)
+
+
+def _sensor(name: str, log: Log, driving: DrivingRecord | None) -> Sensor:
+    x = log[name]
+    unbraked = x if driving is None else x[driving.unbraked]
+    magnitude = -x if name == "a_x" else x  # of a braking
+    return Sensor(
+        channel=name,
+        low=float(x.min()),
+        high=float(x.max()),
+        resolution=0.0 if name in log.interpolated else resolution_of(x),
+        noise=_noise(unbraked),
+        flat=_flatness(unbraked),
+        stuck=() if driving is None else _stuck(name, log, driving),
+        saturated=0.0 if _may_stay(name, x, driving) else _saturation(magnitude, log.sample_time),
+    )
 
 
 def resolution_of(x: Array) -> float:
@@ -107,6 +63,15 @@ def resolution_of(x: Array) -> float:
     step = float(gaps.min())
     multiples = gaps[gaps < 100 * step] / step
     return step if np.all(np.abs(multiples - np.round(multiples)) < 0.1) else 0.0
+
+
+def _noise(unbraked: Array) -> float:
+    """Standard deviation of the white noise of a channel (n,), without outliers."""
+    if unbraked.size < LIMITS.noise_fewest:
+        return float("nan")
+    change = np.diff(unbraked, 3)  # almost no motion, and 20 times the variance of the noise
+    usual = np.abs(change) <= 5.0 * np.quantile(np.abs(change), 0.84)  # 0.84: about one sigma
+    return float(np.sqrt(np.mean(change[usual] ** 2) / 20.0))
 
 
 def _flatness(x: Array) -> float:
@@ -129,16 +94,34 @@ def _saturation(x: Array, step: float) -> float:
     return longest * step if is_long else 0.0
 
 
-def _is_held(pressure: Array, driving: DrivingRecord | None) -> bool:
-    """Whether the driver holds the highest pressure: beyond the sensor's range z would rise on."""
-    if driving is None:
+def _may_stay(name: str, x: Array, driving: DrivingRecord | None) -> bool:
+    """Whether a channel may stay at its highest value: a motor at rest, a pressure that is held.
+
+    While a driver holds the pressure, z is constant. At the end of the sensor's range z would go
+    on to rise.
+    """
+    if name in _HIGHEST_AT_REST:
+        return True
+    if driving is None or not name.startswith("p_"):
         return False
-    at_highest = true_intervals(pressure == pressure.max())
+    at_highest = true_intervals(x == x.max())
     start, end = max(at_highest, key=lambda interval: interval[1] - interval[0])
     start += round(LIMITS.followed / driving.step)
     followed = slice(start, end - round(SMOOTHING / driving.step))
     z = driving.z[followed][driving.moving[followed]]
     return z.size > 0 and float(z.max() - z[0]) < LIMITS.presses * float(z.max())
+
+
+def _stuck(name: str, log: Log, driving: DrivingRecord) -> tuple[tuple[float, float], ...]:
+    """Start and end [s] of each interval of over a second in which the value is stuck."""
+    stuck = []
+    is_same = np.concatenate([[False], np.diff(log[name]) == 0])
+    for start, end in true_intervals(is_same):
+        constant = slice(start - 1, end)  # the sample before has the same value
+        is_long = (end - start) * driving.step >= LIMITS.hanging
+        if is_long and _others_move(name, log, driving, constant):
+            stuck.append((float(driving.time[start - 1]), float(driving.time[end - 1])))
+    return tuple(stuck)
 
 
 def _others_move(name: str, log: Log, driving: DrivingRecord, part: slice) -> bool:
@@ -160,11 +143,11 @@ def _others_move(name: str, log: Log, driving: DrivingRecord, part: slice) -> bo
 
 
 def _is_stuck_pressure(p: Array, driving: DrivingRecord, part: slice, z: Array) -> bool:
-    """Whether no driver can have held the constant pressure of ``part``; ``z`` [g] within it.
+    """Whether no driver can have held the constant pressure of ``part``, where ``z`` [g] was felt.
 
-    The deceleration must have changed. A pressure of zero is then stuck in a strong braking, any
-    other if the brakes were released, if it goes on with a jump, or if it has noise elsewhere: no
-    driver holds the noise still.
+    The deceleration must have changed. A pressure of zero is then stuck in a strong braking. Any
+    other pressure is stuck if the brakes were released, if it goes on with a jump, or if it has
+    noise elsewhere, which no driver can hold still.
     """
     if z.size == 0 or float(np.ptp(z)) <= 0.15:
         return False

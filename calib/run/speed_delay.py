@@ -5,10 +5,10 @@ r"""Delay of the reference speed v, 0.1 to 0.3 s for a satellite receiver.
     a_x   ------\______        v   --------\                v has a corner at the bite, tau later
                                             \               than a_x; so has all that follows
 
-The scale c of a_x and the slope e (bias and grade) do not move a corner, so the delay tau can be
-separated from them. Two hypotheses are weighed by their likelihood: a v in time, on the bus of the
-other channels, whose delay has the standard deviation `USUAL`; and a late v, with any delay up to
-`_LATEST`, constant over the log. A late v is replaced by v(t + tau).
+The scale error c of a_x and the slope e (bias and grade) do not move a corner, so the delay tau can
+be separated from them. Two hypotheses are weighed by their likelihood: a v in time, on the bus of
+the other channels, whose delay has the standard deviation `USUAL`; and a late v, with any delay up
+to `_LATEST`, constant over the log. A late v is replaced by v(t + tau).
 
 Wrong where the wheel speeds are as late as v, or the filter of a_x is slower than that of v.
 """
@@ -31,7 +31,7 @@ _LATEST = 0.5
 """Greatest delay that is tried [s]: slow filters have more than the 0.3 s of receivers. v within
 this time of the start may be from before the log, and is not compared."""
 _ODDS = 0.05  # prior odds of a late v: few take v from a receiver
-_SCALE = 0.05  # sigma of the scale c [1]: wider than a sensor's, so no delay explains a wrong scale
+_SCALE = 0.05  # sigma of c [1]: wider than a sensor's, so that no delay stands for a wrong scale
 EVEN, CHANGING = 0.0002, 0.015
 """Random walk of the grade on an even and on a changing road [g/s^0.5]: tracks are even to 1 mm in
 2 m; a crest of 6 km radius changes the grade by 0.005 a second at 30 m/s, a bridge by 0.02."""
@@ -41,7 +41,7 @@ _LIKELY = 0.3  # probability of a late v from which v is not used as read
 _SURE = 0.95  # probability of a late v from which the delay is corrected
 _STEP = 0.01  # step of the delays that are tried [s]: half of `_SHARP`
 _SHARP = 0.02
-"""Standard deviation of a delay [s] from which v is left out instead of shifted: at 0.5 g it makes
+"""Standard deviation of a delay [s] from which v is not used instead of shifted: at 0.5 g it makes
 0.1 m/s, a tenth of the slip."""
 
 
@@ -76,15 +76,16 @@ def speed_delay(time: Array, v: Array, a_x: Array, step: float) -> SpeedDelay:
     even = _DelayEvidence.from_signals(time, v, a_x, step)
     if even is None or abs(even.first_guess()) < 2.0 * USUAL:
         return IN_TIME
-    tried = np.arange(-5.0 * USUAL, _LATEST + 0.5 * _STEP, _STEP)
+    tried = np.arange(-5.0 * USUAL, _LATEST + 0.5 * _STEP, _STEP)  # (m,)
     roads = even, replace(even, grade_walk=CHANGING)
     misfit = np.array([[road.misfit(delay) for delay in tried] for road in roads])  # (2, m)
     count = np.count_nonzero(even.usable)
     excess = max(misfit.min() / max(count, 1), 1.0)  # variance of the noise over the assumed one
-    sigma = np.array([[road.whitening[1]] for road in roads])
-    of_roads = -0.5 * misfit / excess - count * np.log(sigma)  # log-likelihoods (2, m)
-    of_roads = of_roads - of_roads.max() + np.log(ODDS_ROAD)[:, None]
-    log_likelihood = np.logaddexp(*of_roads)  # (m,), the road marginalised
+    sigma = np.array([[road.whitening[1]] for road in roads])  # (2, 1)
+    by_road = -0.5 * misfit / excess - count * np.log(sigma)  # log-likelihoods (2, m)
+    by_road = by_road - by_road.max() + np.log(ODDS_ROAD)[:, None]
+    log_likelihood = np.logaddexp(*by_road)  # (m,), the road marginalised
+    # likelihood times prior density of a v in time, normal, and of a late v, uniform
     usual = np.exp(log_likelihood - 0.5 * (tried / USUAL) ** 2) / (USUAL * np.sqrt(2.0 * np.pi))
     late = np.exp(log_likelihood) * (tried > 0.0) / _LATEST
     chance = float(_ODDS * late.sum() / (usual.sum() + _ODDS * late.sum()))
@@ -96,11 +97,11 @@ def speed_delay(time: Array, v: Array, a_x: Array, step: float) -> SpeedDelay:
 
 
 def in_time(time: Array, v: Array, a_x: Array, delay: SpeedDelay) -> Array:
-    """Return v(t + tau) [m/s] (n,) of a late v; the integral of a_x extrapolates it at the end."""
+    """Return v(t + tau) [m/s] (n,) of a late v, at the end extrapolated by the integral of a_x."""
     gained = integral(time, a_x)
     later = time + delay.value
-    after = gained - np.interp(time[-1] - delay.value, time, gained)
-    return np.where(later <= time[-1], np.interp(later, time, v), v[-1] + after)
+    gained_after_end = gained - np.interp(time[-1] - delay.value, time, gained)
+    return np.where(later <= time[-1], np.interp(later, time, v), v[-1] + gained_after_end)
 
 
 @dataclass(frozen=True)
@@ -111,9 +112,9 @@ class _DelayEvidence:
     gained: Array  # integral of a_x [m/s] (n,)
     v: Array  # block means [m/s] (k,)
     usable: Mask  # where second differences are compared (k - 2,)
-    size: int  # of a block [samples]
+    size: int  # samples of a block
     length: float  # of a block [s]
-    noise: tuple[float, float]  # variances of v and of the growth of the integral [m^2/s^2]
+    noise: tuple[float, float]  # variances of v, and of the integral over one block [m^2/s^2]
     grade_walk: float = EVEN  # random walk of the road's grade [g/s^0.5]
 
     @classmethod
@@ -125,24 +126,24 @@ class _DelayEvidence:
         means, a_x_means = block_mean(v, size), block_mean(a_x, size)
         if means.size < 20 or np.min(a_x_means) > -_BRAKES:
             return None
-        h = size * step
-        white, walk = (max(white_noise(x, 2) ** 2, 1e-12) for x in (means, h * a_x_means))
+        length = size * step
+        white, walk = (max(white_noise(x, 2) ** 2, 1e-12) for x in (means, length * a_x_means))
         usable = (means > 2.0) & (np.abs(a_x_means) < GREATEST_Z * G)
-        usable &= h * np.arange(means.size) >= _LATEST
+        usable &= length * np.arange(means.size) >= _LATEST
         usable = usable[2:] & usable[1:-1] & usable[:-2]
-        return cls(time, integral(time, a_x), means, usable, size, h, (white, walk))
+        return cls(time, integral(time, a_x), means, usable, size, length, (white, walk))
 
     @cached_property
     def whitening(self) -> tuple[Array, float, Array]:
-        """Filter and sigma that make second differences white; columns of the start (k - 2, 2)."""
+        """Filter and sigma that make second differences white; basis of the start (k - 2, 2)."""
         grade = (G * self.length * self.grade_walk) ** 2 * self.length
         average, sigma = second_differences(*self.noise, grade)
-        # what an unknown first v and an unknown slope add to the differences
-        first = np.eye(self.usable.size, 2, -int(np.argmax(self.usable)))
-        return average, sigma, np.linalg.qr(recursive_filter(first.T, average).T)[0]
+        # what v_0 and e, both unknown, add to the first two usable differences
+        start = np.eye(self.usable.size, 2, -int(np.argmax(self.usable)))
+        return average, sigma, np.linalg.qr(recursive_filter(start.T, average).T)[0]
 
     def first_guess(self) -> float:
-        """Delay [s] by one Gauss-Newton step from 0: it excludes a delay at little cost."""
+        """Delay [s] by one Gauss-Newton step from 0, which is cheaper than to try all delays."""
         y, x = self._white(0.0)
         by_delay = self._filtered(block_mean(-np.gradient(self.gained, self.time), self.size))
         A = np.column_stack([x, by_delay])
@@ -155,12 +156,12 @@ class _DelayEvidence:
         return float(y @ y - (x @ y) ** 2 / (float(x @ x) + _SCALE**-2))
 
     def _white(self, delay: float) -> tuple[Array, Array]:
-        """Difference v - I(t - tau) and the column I of the scale c, white, sigma 1, (k - 2,)."""
+        """Difference v - I(t - tau), and the factor I of the scale c, `_filtered`, (k - 2,)."""
         gained = block_mean(np.interp(self.time - delay, self.time, self.gained), self.size)
         return self._filtered(self.v - gained), self._filtered(gained)
 
     def _filtered(self, x: Array) -> Array:
-        """Second differences of ``x`` (k,), white, without the part of the unknown start."""
+        """Second differences of ``x`` (k,), white with sigma 1, without the unknown start."""
         average, sigma, start = self.whitening
         white = recursive_filter(np.where(self.usable, np.diff(x, 2), 0.0), average)
         white -= start @ (start.T @ white)

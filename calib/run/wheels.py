@@ -1,7 +1,7 @@
-"""The four wheels compared: slips, ratios of their speeds, radii, sign of a_x, ABS, locked wheels.
+"""Comparison of the four wheels of a log, by their slips.
 
-`slips_of` computes the slips. From them come `Axles` (ratios, radii, sign) by `axles_of`, and
-`Slipping` (ABS, locked wheels) by `slipping`.
+`axles_of` gives the ratios of the wheel speeds, the radii and the sign of a_x, `slipping` the ABS
+cycles and the locked wheels.
 """
 
 import math
@@ -21,7 +21,6 @@ from calib.run.filters import (
     centred_mean,
     median_of_three,
     samples_in,
-    sliding_minimum,
     true_intervals,
 )
 
@@ -29,18 +28,19 @@ LOW, HIGH = 0.1, 0.5  # range of deceleration in which the wheels are compared [
 
 
 def slips_of(log: Log, driving: DrivingRecord) -> dict[str, Array]:
-    """Slip of each wheel [1] (n,), without errors of a single sample, smoothed over 30 ms.
+    """Slip of each wheel [1] (n,), smoothed over 30 ms, without errors of single samples.
 
-    If the car rolls unbraked and ``v`` is logged, each slip is zeroed there. Without ``v`` the
-    fastest wheel gives the speed of the car.
+    With ``v`` and unbraked rolling, each slip is zeroed while the car rolls. Otherwise the speed of
+    the fastest wheel stands for that of the car.
     """
     width = samples_in(0.03, driving.step) | 1
     omega = {w: centred_mean(median_of_three(log[f"omega_{w}"]), width) for w in WHEELS}
     free = driving.unbraked
     speed, radius = np.max(list(omega.values()), axis=0), dict.fromkeys(WHEELS, 1.0)
     if "v" in log and free.any():
-        v = speed = centred_mean(log["v"], width)
-        radius = {w: float(np.median(v[free] / np.maximum(omega[w][free], 1e-6))) for w in WHEELS}
+        speed = centred_mean(log["v"], width)
+        for w in WHEELS:
+            radius[w] = float(np.median(speed[free] / np.maximum(omega[w][free], 1e-6)))
     floor = np.maximum(speed, 1e-6)
     return {w: 1.0 - radius[w] * omega[w] / floor for w in WHEELS}
 
@@ -56,7 +56,7 @@ class IntervalEstimate:
 def mismatch(a: Array, b: Array, mask: Mask, step: float) -> IntervalEstimate | None:
     """Mean of b/a - 1 of two wheel speeds within ``mask`` [1]; None with fewer than three blocks.
 
-    The interval takes the blocks of 0.2 s as independent, so it lacks a slow drift, as on a bend.
+    The interval takes the blocks as independent: it does not count a slow drift, as in a bend.
     """
     ratio = _ratios(a, b, mask, step)
     if ratio.size < 3:
@@ -64,25 +64,25 @@ def mismatch(a: Array, b: Array, mask: Mask, step: float) -> IntervalEstimate | 
     return IntervalEstimate(float(np.mean(ratio)), float(half_width(ratio)))
 
 
-def half_width(rolling: Array, braked: float = np.inf) -> Array:
-    """Half width of the 95 % interval of the mean of k independent values ``rolling`` (..., k).
+def half_width(x: Array, other_count: float = np.inf) -> Array:
+    """Half width of the 95 % interval of the mean of k independent values ``x`` (..., k).
 
-    With a number of ``braked`` values of the same noise: that of the difference of both means.
+    With an ``other_count``: of the difference to the mean of so many values of the same noise.
     """
     from scipy.special import stdtrit
 
-    count = rolling.shape[-1]
-    share = np.sqrt(1.0 / count + 1.0 / braked)
-    return np.asarray(stdtrit(count - 1, 0.975) * np.std(rolling, axis=-1, ddof=1) * share)
+    count = x.shape[-1]
+    share = np.sqrt(1.0 / count + 1.0 / other_count)
+    return np.asarray(stdtrit(count - 1, 0.975) * np.std(x, axis=-1, ddof=1) * share)
 
 
 def wheel_means(x: Array, mask: Mask, step: float) -> Array:
-    """Means of ``x`` (..., n) within ``mask`` over blocks of `LIMITS.wheel_block`, (..., k)."""
+    """Means of ``x`` (..., n) within ``mask`` (n,) over blocks of 0.2 s, (..., k)."""
     return block_mean(x[..., mask], samples_in(LIMITS.wheel_block, step))
 
 
 def _ratios(a: Array, b: Array, mask: Mask, step: float) -> Array:
-    """b/a - 1 of the means of two wheel speeds [1] (k,), without means in which ``a`` is zero."""
+    """b/a - 1 of the block means of two wheel speeds [1] (k,), without blocks where a is zero."""
     first, second = wheel_means(np.stack([a, b]), mask, step)
     turns = first > 0.0
     return np.asarray(second[turns] / first[turns] - 1.0)
@@ -90,20 +90,15 @@ def _ratios(a: Array, b: Array, mask: Mask, step: float) -> Array:
 
 @dataclass(frozen=True)
 class Axles:
-    """Comparison of the wheels; a field is None where its part of the log is too short.
-
-    ``slope`` is the change of -a_x with the wheels' deceleration [m]: the rolling radius if all is
-    correct, negative for a wrong sign. ``eta_most`` is the change of eta in that third of the
-    braking in which eta changes most: eta rises and falls again, so the mean may not change.
-    """
+    """Comparison of the wheels; a field is None where its part of the log is too short."""
 
     front_rear: IntervalEstimate | None  # eta - 1, unbraked [1]: positive for a small rear radius
     left_right_f: IntervalEstimate | None  # right over left wheel speed - 1, unbraked [1]
     left_right_r: IntervalEstimate | None
     radius: float | None  # median of v over the wheel speed, unbraked [m]
-    slope: float | None
+    slope: float | None  # of -a_x over the wheels' deceleration: a radius [m], negative: wrong sign
     eta_braked: IntervalEstimate | None  # mean eta at 0.2 to 0.5 g less that unbraked [1]
-    eta_most: IntervalEstimate | None  # at 0.1 to 0.5 g [1]
+    eta_most: IntervalEstimate | None  # `_largest_change` at 0.1 to 0.5 g [1]
 
 
 def axles_of(log: Log, driving: DrivingRecord, slips: Mapping[str, Array]) -> Axles:
@@ -132,7 +127,10 @@ def axles_of(log: Log, driving: DrivingRecord, slips: Mapping[str, Array]) -> Ax
 def _largest_change(
     front: Array, rear: Array, free: Mask, braking: Mask, step: float
 ) -> IntervalEstimate | None:
-    """Largest change of eta from ``free`` rolling to a third of the ``braking`` [1]."""
+    """Largest change of eta from ``free`` rolling to a third of the ``braking`` [1].
+
+    The mean of the whole braking may not change, since eta rises and falls again.
+    """
     rolling, slipping = (_ratios(front, rear, mask, step) for mask in (free, braking))
     if min(rolling.size, slipping.size) < 3:
         return None
@@ -143,7 +141,7 @@ def _largest_change(
 
 
 def rolling_radius(log: Log, driving: DrivingRecord) -> float | None:
-    """Median of ``v`` over the median wheel speed [m] unbraked, (19) at zero slip; None without v.
+    """Median of v over the median wheel speed [m], unbraked, by (19) at zero slip; None without v.
 
     It contains the slip that an engine in gear makes: 0.1 % at 0.03 g.
     """
@@ -159,7 +157,7 @@ def rolling_radius(log: Log, driving: DrivingRecord) -> float | None:
 def _slope_over_wheels(driving: DrivingRecord, use: Mask) -> float | None:
     """Slope of the measured deceleration over that of the wheels [m], within ``use`` (n,).
 
-    None if either hardly changes or they do not correlate: much slip, or a wrong ``a_x``.
+    It is None if a deceleration hardly changes, or if the two do not correlate.
     """
     width = samples_in(LIMITS.slope_time, driving.step) | 1
     use = driving.moving & use
@@ -194,8 +192,8 @@ class Slipping:
 def slipping(slips: Mapping[str, Array], driving: DrivingRecord) -> Slipping:
     """Find ABS cycles and locked wheels; without ``v`` not where all four slip at once.
 
-    A cycle is a deep slip that the wheel leaves within `LIMITS.abs_cycle`; on a wheel without such
-    a slip, each of its `_swings` is a cycle.
+    A cycle is a deep slip that the wheel leaves within `LIMITS.abs_cycle`. On a wheel that never
+    does so, each of its `_swings` is a cycle.
     """
     braking = driving.braked & driving.moving
     cycles: list[tuple[str, float]] = []
@@ -221,8 +219,9 @@ def slipping(slips: Mapping[str, Array], driving: DrivingRecord) -> Slipping:
 def _swings(slip: Array, driving: DrivingRecord, braking: Mask) -> list[float]:
     """Starts [s] of slip that comes and goes repeatedly, as by ABS; none if it does so rarely."""
     width = samples_in(LIMITS.swing_time, driving.step) | 1
-    above = braking & (driving.speed > MOVING)
-    above &= slip - sliding_minimum(slip, width) > LIMITS.swing
-    starts = [float(driving.time[start]) for start, _ in true_intervals(above)]
+    padded = np.pad(slip, width // 2, constant_values=np.inf)
+    lowest = np.min(np.lib.stride_tricks.sliding_window_view(padded, width), axis=1)  # (n,)
+    swings = braking & (slip - lowest > LIMITS.swing)
+    starts = [float(driving.time[start]) for start, _ in true_intervals(swings)]
     near = np.diff(starts) < LIMITS.abs_cycle
     return starts if np.count_nonzero(near) + 1 >= LIMITS.swings else []
