@@ -4,8 +4,8 @@
      x       x     x xx       ln of stiffness     that of its softest stop by less than the errors
 
 Stops are compared on one road only, since the error of a table depends on the road. The stiffness
-of the tyres shows which stops are on one road. Wet pads are not compared with dry ones, of which
-the warning `level_changed` tells.
+of the tyres shows which stops are on one road. Wet pads are not compared with dry pads: the warning
+`level_changed` names their difference.
 """
 
 import math
@@ -31,7 +31,7 @@ class _Road:
     stiffness: float  # of the tyres, over that on the ramp [1]
     mean_f: float  # mean pad friction [1]
     mean_r: float
-    spread_f: float | None  # largest relative departure from the mean [1], None for a single stop
+    spread_f: float | None  # largest relative departure from `mean_f` [1]; None for a single stop
     spread_r: float | None
 
 
@@ -63,14 +63,15 @@ def agreement(results: Iterable[Validation]) -> _Agreement | None:
     ungrouped, roads = np.argsort(stops[:, 3], kind="stable"), []
     while ungrouped.size:
         _, _, level, log_stiffness, sigma = stops[ungrouped].T
-        like = log_stiffness - log_stiffness[0] <= _OTHER_ROAD * np.hypot(sigma, sigma[0])
-        like &= np.abs(np.log(level / level[0])) < _OTHER_PADS
-        group = stops[ungrouped[like]]
+        is_like = log_stiffness - log_stiffness[0] <= _OTHER_ROAD * np.hypot(sigma, sigma[0])
+        is_like &= np.abs(np.log(level / level[0])) < _OTHER_PADS
+        group = stops[ungrouped[is_like]]
         pads = group[:, :2].mean(axis=0)
         spread = np.abs(group[:, :2] / pads - 1.0).max(axis=0) if len(group) > 1 else (None, None)
-        names, ratio = tuple(answered[i].log for i in ungrouped[like]), math.exp(group[:, 3].mean())
-        roads.append(_Road(names, ratio, *pads.tolist(), *map(finite_or_none, spread)))
-        ungrouped = ungrouped[~like]
+        names = tuple(answered[i].log for i in ungrouped[is_like])
+        stiffness_ratio = math.exp(group[:, 3].mean())
+        roads.append(_Road(names, stiffness_ratio, *pads.tolist(), *map(finite_or_none, spread)))
+        ungrouped = ungrouped[~is_like]
     spreads = [(road.spread_f, road.spread_r) for road in roads if road.spread_f is not None]
     if not spreads:
         return None
@@ -81,7 +82,7 @@ def agreement(results: Iterable[Validation]) -> _Agreement | None:
 
 def stiffness(e: Estimate) -> tuple[float, float]:
     """Return ln of tyre stiffness over the ramp's [1] at the last valid sample, and its sigma."""
-    i, tyre = int(np.flatnonzero(e.valid)[-1]), e.table.tyre
+    i, tyre, step = int(np.flatnonzero(e.valid)[-1]), e.table.tyre, e.best.step
     z = float(np.clip(e.read.z[i], tyre.force[1], tyre.force[-1]))
-    slip_per_z = float(np.interp(z, tyre.force, tyre.slip)) / z  # on the ramp
-    return math.log(slip_per_z) - float(e.best.step.slip[i]), float(e.best.step.slip_sigma[i])
+    slip_per_z_on_ramp = float(np.interp(z, tyre.force, tyre.slip)) / z
+    return math.log(slip_per_z_on_ramp) - float(step.slip[i]), float(step.slip_sigma[i])

@@ -1,4 +1,4 @@
-"""Other methods for the pad friction: the law of the paper, and those that it is compared with.
+"""Other methods for the pad friction: nominal pads, a mean gain, and the law of the paper.
 
 A method that does not apply gives NaN. The law adapts the change zeta of the pad friction of each
 axle. It takes the force of the axle from the curves f1(eta), f2(eta) of the table, which
@@ -27,8 +27,8 @@ from calib.run.filters import recursive_filter
 from calib.table.table import Table
 
 RATE, PRESSURE = 8.0, 20e5
-"""Rate of the gradient law [1/s] at a usual braking pressure [Pa]: 90 % of a step of zeta in 0.3 s.
-The rate grows with the square of the pressure."""
+"""Rate of the law [1/s] at a usual braking pressure [Pa]: 90 % of a step of zeta in 0.3 s. The rate
+grows with the square of the pressure."""
 _MEMORY = 0.5  # time over which the mean gain forgets [s]: a stop is longer, road noise is shorter
 
 
@@ -42,8 +42,8 @@ def mean_gain(e: Estimate) -> Pair:
     """Return the nominal pads times one factor for both axles, reference [16] of the paper.
 
     The factor is the recursive least squares solution of demanded over nominal brake force, which
-    forgets over `_MEMORY`, and 1 before the first braking. The paper only says that the gain is
-    recursive and rests on the deceleration: here a_x without known resistance.
+    forgets over `_MEMORY`, and 1 before the first braking. The paper says no more than that the
+    gain is recursive and rests on the deceleration; here known resistance is taken out of a_x.
     """
     u = np.where(e.forces.active, e.forces.nominal_f + e.forces.nominal_r, 0.0)
     pole = [1.0, -float(np.exp(-e.read.sample_time / _MEMORY))]
@@ -71,8 +71,8 @@ def _adapted(e: Estimate) -> Pair:
 def _by_curves(table: Table, eta: Array, b: ForceBalance) -> Pair:
     """Return brake forces [N] of both axles by the normalised forces z + f1 and z + f2, (11)-(14).
 
-    ``eta`` zeroed (22) (n,); z is the sum of the tyre forces of ``b`` over the weight. Beyond its
-    end a curve keeps its last value.
+    ``eta`` (22) is over its zero (n,). z is the sum of the tyre forces of ``b`` over the weight.
+    Beyond its end a curve keeps its last value.
     """
     c, z = table.paper, b.tyre_sum / table.vehicle.weight
     F_f, F_r = (z + np.interp(eta, c.eta, f) for f in (c.f1, c.f2))

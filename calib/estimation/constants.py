@@ -1,7 +1,8 @@
 """Constants of the step, which is the estimator on one block of samples.
 
-Names that begin with ``q_`` are random walks of a state, with ``r_`` measurement noise, with
-``var_`` variances, with ``walk_`` variances that a block adds. `constants` makes all of a table.
+`constants` returns them for a table and its sensors. First letters of names: ``q_`` for the random
+walk of a state, ``r_`` for a measurement noise, ``var_`` for a variance, ``walk_`` for the variance
+that a block adds to a state.
 """
 
 import math
@@ -23,25 +24,24 @@ from calib.table.table import Table
 LEVEL = ("level", "level_lower", "level_upper")
 PADS = ("ratio", "change"), ("ratio_lower", "change_lower"), ("ratio_upper", "change_upper")
 SLIP = ("log_slip", "log_slip_sigma")
-"""Columns of the maps that the step reads, in the shape in which the step has them."""
+"""Columns of the maps. A `Reader` returns their values as an array of the same shape."""
 
 _ROADS = STOP.log_stiffness
-# root mean square of ln of the stiffness over the kinds of road
+# root mean square of ln of the tyres' stiffness over the kinds of road
 _ROAD_SIGMA = math.sqrt(np.average(np.hypot(_ROADS.mean, _ROADS.sigma) ** 2, weights=_ROADS.share))
-_WALKS = "level", "rate", "slip", "grade", "bias", "radius"
 
 
 @dataclass(frozen=True)
 class Constants:
     """Values of table and sensors, then tuned numbers, then values that follow from both."""
 
-    pads: Reader  # `PADS` over z, eta and slip
+    pads: Reader  # `PADS` over z, (eta - 1)/z and slip
     slip: Reader  # `SLIP` over the same
     level: Reader  # `LEVEL` over z
-    prior: Reader  # `PADS` over z, before eta is read
-    noise_rim: float  # density of the noise of the wheels' rims [m/s s^0.5]
-    noise_z: float  # densities of the noise of z and v, as in `SensorNoise`
-    noise_v: float
+    prior: Reader  # `PADS` over z alone, for blocks in which eta is not read
+    noise_rim: float  # noise density of the speed of the front wheels' rims [m/s s^0.5]
+    noise_z: float  # noise density of the deceleration [s^0.5]
+    noise_v: float  # noise density of the measured speed [m/s s^0.5]
     radii: float  # rolling radius of the front wheels over that of the rear ones, less 1 [1]
     late: float  # delay of v behind the wheel speeds [s], and its sigma
     late_sigma: float
@@ -117,37 +117,37 @@ class Constants:
     refusals: float = 10.0  # implausible zeros in a row, after which no zero is known
 
     # Values that follow from those above.
-    keep: float = field(init=False)  # share of the means that stays [1]
-    var_level: float = field(init=False)  # variances before any braking
+    keep: float = field(init=False)  # share of the means for the map that a block keeps [1]
+    var_level: float = field(init=False)  # from here to var_scale: variances before any braking
     var_rate: float = field(init=False)
     var_lag: float = field(init=False)
     var_log_slip: float = field(init=False)
     var_zero: float = field(init=False)
     var_offset: float = field(init=False)
     var_scale: float = field(init=False)
-    var_z: float = field(init=False)  # of the means of a block, by noise
+    var_z: float = field(init=False)  # of the mean of a block, by noise
     var_rim: float = field(init=False)
     var_zero_z: float = field(init=False)
-    var_v: float = field(init=False)  # of the speed by the noise of a_x, and by clocks apart
-    var_apart: float = field(init=False)
-    walk_level: float = field(init=False)  # variances that a block adds
+    var_v: float = field(init=False)  # that a block adds to the speed by the noise of a_x
+    var_apart: float = field(init=False)  # the same by clocks apart, per square of a change of z
+    walk_level: float = field(init=False)
     walk_rate: float = field(init=False)
     walk_slip: float = field(init=False)
     walk_grade: float = field(init=False)
     walk_bias: float = field(init=False)
     walk_radius: float = field(init=False)
-    share_chatter: float = field(init=False)  # of a block in a mean that forgets [1]
+    share_chatter: float = field(init=False)  # shares of a block in means that forget [1]
     share_level: float = field(init=False)
     share_drive: float = field(init=False)
-    walk_held: float = field(init=False)  # of a held ratio [1/s]
-    applied: float = field(init=False)  # times of braking and of rolling that count [s]
+    walk_held: float = field(init=False)  # variance that a second adds to a held ratio [1/s]
+    applied: float = field(init=False)  # `settle` and `over`, half a block off [s]
     released: float = field(init=False)
-    most_share: float = field(init=False)  # of the pressure that acts [1]
-    trusted_scale: float = field(init=False)  # square of a departure without doubt
-    most_offset: float = field(init=False)  # departures of a car that is plausible
+    most_share: float = field(init=False)  # a larger share of the pressure counts as this [1]
+    trusted_scale: float = field(init=False)  # square of a departure of the scale without doubt
+    most_offset: float = field(init=False)  # largest plausible departures
     most_scale: float = field(init=False)
     most_log_slip: float = field(init=False)
-    speed: float = field(init=False)  # that a car loses in a block at 1 g [m/s]
+    speed: float = field(init=False)  # speed that a car loses in a block at 1 g [m/s]
 
     def __post_init__(self) -> None:
         dt = self.block
@@ -165,12 +165,18 @@ class Constants:
             "var_zero_z": (self.noise_z**2 + 1e-8) / dt,
             "var_v": (G * self.noise_z) ** 2 * dt,
             "var_apart": (G * self.apart) ** 2,
-            **{f"walk_{x}": getattr(self, f"q_{x}") ** 2 * dt for x in _WALKS},
+            "walk_level": self.q_level**2 * dt,
+            "walk_rate": self.q_rate**2 * dt,
+            "walk_slip": self.q_slip**2 * dt,
+            "walk_grade": self.q_grade**2 * dt,
+            "walk_bias": self.q_bias**2 * dt,
+            "walk_radius": self.q_radius**2 * dt,
             "share_chatter": dt / self.chatter_memory,
             "share_level": dt / self.usual_level,
             "share_drive": min(dt / self.drive_memory, 1.0),
             "walk_held": self.ageing**2,
-            "applied": self.settle - 0.5 * dt,  # else a rounding could decide it
+            # times are sums of blocks: half a block off, no rounding decides a comparison
+            "applied": self.settle - 0.5 * dt,
             "released": self.over + 0.5 * dt,
             "most_share": 1.0 / self.least_share,
             "trusted_scale": (self.trusted * self.scale_sigma) ** 2,
@@ -188,10 +194,10 @@ def constants(table: Table, noise: SensorNoise, block: float) -> Constants:
     return Constants(
         **_of_table(table),
         noise_rim=float(table.vehicle.front.rolling_radius * noise.omega),
-        noise_z=float(noise.z),  # Python's numbers are three times as fast
+        noise_z=float(noise.z),  # Python's numbers are three times as fast as numpy's
         noise_v=float(noise.v),
         block=block,
-        settle=block * samples_in(Constants.settle, block),  # else a rounding could decide it
+        settle=block * samples_in(Constants.settle, block),  # a whole number of blocks
     )
 
 

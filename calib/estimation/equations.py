@@ -6,9 +6,9 @@
                                                            wheels and v measure it
 
 d is the brake force that the deceleration demands, u that of the nominal pads behind a lag of first
-order, both over the weight. d_0 is d while nothing brakes: rolling resistance, bias of a_x, pitch
-at rest. y is d - d_0, the brake force of a block. Without v only the wheels
-measure the speed. A difference from a_x that remains at low speed is an error of a_x, no slip.
+order, both over the weight. d_0, the zero of d, is d while nothing brakes: rolling resistance, bias
+of a_x, pitch at rest. y = d - d_0 is the brake force of a block. Without v only the wheels measure
+the speed: a difference from a_x that remains at low speed is then an error of a_x, not slip.
 (S1) to (S16) are on `calib/manual/step.md`.
 """
 
@@ -39,7 +39,7 @@ class BlockState(NamedTuple, Generic[Number]):
     level_variance: Number
     blocks: Number  # effective number of blocks in the means
     z: Number  # mean of y, the brake force over the weight [1]
-    shift: Number  # mean of eta over its zero, less 1 [1]
+    eta_rise: Number  # mean of eta over its zero, less 1 [1]
     z_squared: Number  # mean of y squared [1]
     speed: Number  # speed of the car [m/s]
     log_slip: Number  # ln(slip/z) [1]
@@ -50,11 +50,11 @@ class BlockState(NamedTuple, Generic[Number]):
     demand_variance: Number  # variance of the zero of the demand
     eta_variance: Number  # variance of the zero of eta
     eta_by_drive: Number  # mean of `Sample.eta_by_drive` [1]
-    effective_pressure_share: Number  # share of the pressure that acts [1]
+    effective_pressure_share: Number  # share of the pressure that acts, the rest lags [1]
     innovation: Number  # innovation of the wheel speeds, in standard deviations
     braked: Number  # time of this stop [s]
-    zero_eta: Number  # eta and slip while nothing brakes [1]
-    zero_slip: Number
+    zero_eta: Number  # eta while nothing brakes [1]
+    zero_slip: Number  # slip while nothing brakes [1]
     counts: Number  # 1 where the wheels measure the speed, else 0
     checks: Number  # `CHECKS` that fail or just did, one bit each
 
@@ -62,16 +62,16 @@ class BlockState(NamedTuple, Generic[Number]):
 class SlipEvidence(NamedTuple):
     """Slip, by measurement and map together, and level of the pads, of blocks (k,)."""
 
-    slip: Array  # ln(slip/z) less that of the map, in its sigma
-    slip_sigma: Array
+    slip: Array  # ln(slip/z) less that of the map, over the sigma of the map
+    slip_sigma: Array  # standard deviation of `slip`
     scaled: Array  # share of a_x that is deceleration [1]
     pads: Array  # level at the present pressure, with the lag [1]
-    noise: Array  # variance of the level by noise
-    accelerometer: Array  # variance of the level by a_x
+    noise: Array  # variance of ln of the level by noise
+    accelerometer: Array  # variance of ln of the level by a_x
 
 
 def update_zero(zero: Zero, x: float, variance: float) -> None:
-    """Update the zero of a signal by a reading with its variance."""
+    """Update the zero of a signal by a reading ``x`` with its variance, (S3)."""
     gain = zero.variance / (zero.variance + variance)
     zero.value += gain * (x - zero.value)
     zero.variance *= 1.0 - gain
@@ -97,7 +97,7 @@ def take_zeros(c: Constants, s: State, demand: float, eta_less_1: float, rim: fl
 def rolls(c: Constants, s: State, x: Sample[float], *, counts: bool) -> bool:
     """Return whether the car rolls without brake, so that a block may show the zeros.
 
-    Count a refused zero if neither brake nor known motor explains a deceleration beyond ``steady``.
+    A deceleration beyond ``steady`` that neither brake nor known motor explains is a refused zero.
     """
     unbraked = counts and x.pressure < c.untouched
     steady = abs(x.z) < c.steady
@@ -106,14 +106,14 @@ def rolls(c: Constants, s: State, x: Sample[float], *, counts: bool) -> bool:
     return unbraked and steady
 
 
-def shift(s: State, x: Sample[float]) -> float:
-    """Return eta over its zero, less 1 [1]."""
+def eta_rise(s: State, x: Sample[float]) -> float:
+    """Return eta over its zero, less 1 [1], (S4)."""
     return (x.eta_less_1 - s.eta_less_1.value) / (1.0 + s.eta_less_1.value)
 
 
 def rim_speed(s: State, x: Sample[float]) -> float:
     """Return the speed of all rims [m/s], weighted by load, as if all radii were equal."""
-    return x.rim + x.rim * x.rear_share * shift(s, x)
+    return x.rim + x.rim * x.rear_share * eta_rise(s, x)
 
 
 def reset_stop(c: Constants, s: State) -> None:
@@ -121,7 +121,7 @@ def reset_stop(c: Constants, s: State) -> None:
     f: LevelFilter = s.level
     f.level, f.rate, f.var_level, f.var_rate = 1.0, 0.0, c.var_level, c.var_rate
     f.cov_level_lag, f.cov_level_rate, f.cov_lag_rate = 0.0, 0.0, 0.0
-    s.means.blocks, s.means.z, s.means.shift, s.means.z_squared = 0.0, 0.0, 0.0, 0.0
+    s.means.blocks, s.means.z, s.means.eta_rise, s.means.z_squared = 0.0, 0.0, 0.0, 0.0
     s.means.eta_by_drive = 0.0
     s.braked, s.mean_z = 0.0, 0.0
     e: Check = s.check
@@ -132,14 +132,14 @@ def reset_stop(c: Constants, s: State) -> None:
 
 
 def start(c: Constants, s: State) -> None:
-    """Set the state before any block: radii within 1 % of the car's, any level of the pads."""
+    """Set the state before any block: radii of the file within 1 %, any level of the pads."""
     s.eta_less_1.value, s.lag.value, s.level_then = c.radii, c.lag, 1.0
     s.demand.variance, s.eta_less_1.variance, s.lag.variance = c.var_zero, c.var_zero, c.var_lag
     reset_stop(c, s)
 
 
 def brake_line_lag(c: Constants, s: State, nominal: float) -> None:
-    """Update the force behind the lag and its derivative by the lag, exact for a linear rise."""
+    """Update the force behind the lag and its derivative by the lag, (S5) for a linear rise."""
     dt, lag = c.block, max(s.lag.value, c.least_lag)
     decay = math.exp(-dt / lag)
     rate = (nominal - s.nominal) / dt
@@ -150,9 +150,9 @@ def brake_line_lag(c: Constants, s: State, nominal: float) -> None:
 
 
 def force_variance(c: Constants, s: State, x: Sample[float], y: float) -> float:
-    """Return the innovation variance of brake force ``y``: by states, noise, road and lag."""
+    """Return the innovation variance of brake force ``y``: by states, noise, road and lag, (S6)."""
     f: LevelFilter = s.level
-    h, k = s.acting, f.level * s.by_lag
+    h, k = s.acting, f.level * s.by_lag  # derivatives of the force by level and lag
     rough, to_come = c.r_level * y, c.r_lag * f.level * (x.nominal - h)
     of_states = h * (h * f.var_level + 2.0 * k * f.cov_level_lag) + k * k * s.lag.variance
     return of_states + c.var_z + rough**2 + to_come**2
@@ -163,19 +163,21 @@ def update_level(c: Constants, s: State, x: Sample[float], y: float) -> None:
     f: LevelFilter = s.level
     m: Means = s.means
     dt = c.block
+    # predict: the level moves by its rate
     f.level += f.rate * dt
     f.var_level += dt * (2.0 * f.cov_level_rate + dt * f.var_rate)
     f.var_level += c.walk_level * f.level**2
     f.cov_level_lag += dt * f.cov_lag_rate
     f.cov_level_rate += dt * f.var_rate
     f.var_rate += c.walk_rate * f.level**2
-    h, k = s.acting, f.level * s.by_lag  # the force is h level + k lag
+    # covariances of the states with the force, which is h level + k lag
+    h, k = s.acting, f.level * s.by_lag
     p_level = h * f.var_level + k * f.cov_level_lag
     p_lag = h * f.cov_level_lag + k * s.lag.variance
     p_rate = h * f.cov_level_rate + k * f.cov_lag_rate
     spread = force_variance(c, s, x, y)
     residual = y - f.level * h
-    nis = min(residual**2 / spread, c.most_chatter)
+    nis = min(residual**2 / spread, c.most_chatter)  # normalised innovation squared
     s.check.chatter += c.share_chatter * (nis - s.check.chatter)
     jump = min(residual**2 - c.jump**2 * spread, c.var_level * h**2)
     keep = c.keep
@@ -184,6 +186,7 @@ def update_level(c: Constants, s: State, x: Sample[float], y: float) -> None:
         p_level += jump / h
         keep *= spread / (spread + jump)
         spread += jump
+    # update: a state moves by its covariance with the force, over the variance of the residual
     gain = 1.0 / spread
     step, g_level, g_lag = gain * residual, gain * p_level, gain * p_lag
     f.level += step * p_level
@@ -199,7 +202,7 @@ def update_level(c: Constants, s: State, x: Sample[float], y: float) -> None:
     m.blocks = keep * m.blocks + 1.0
     share = 1.0 / m.blocks
     m.z += share * (y - m.z)
-    m.shift += share * (shift(s, x) - m.shift)
+    m.eta_rise += share * (eta_rise(s, x) - m.eta_rise)
     m.z_squared += share * (y * y - m.z_squared)
     m.eta_by_drive += share * (x.eta_by_drive - m.eta_by_drive)
     s.mean_z = max(m.z, c.least_mean_z)
@@ -210,8 +213,8 @@ def update(
 ) -> float:
     """Update the filter of the speed by a reading of ``h`` v + ``k`` ln(slip/z).
 
-    Return the ``residual`` in standard deviations. ``mean`` is the residual to expect if the
-    unexplained brake force is an error of a_x. The slip stays between z/3000 and z.
+    Return the ``residual`` of the reading in standard deviations. ``mean`` is the residual to
+    expect if the unexplained brake force is an error of a_x. The slip stays between z/3000 and z.
     """
     f: SpeedFilter = s.speed
     e: Check = s.check
@@ -261,10 +264,11 @@ def motor_fits(c: Constants, s: State, x: Sample[float], *, counts: bool) -> boo
     """
     e: Check = s.check
     step, y = x.drive - e.drive, x.demand - s.demand.value
+    # log likelihood ratio, times the variance, of a residual ``step`` over a residual of 0
     likely = step * (y - s.level.level * s.acting - 0.5 * step)
     spread = force_variance(c, s, x, y) + s.demand.variance
     fits = not counts or abs(step) < c.unexplained or likely < c.errs * spread
-    e.failing = 2.0
+    e.failing = 2.0  # the bit of "motor_changed"
     if fits:
         e.failing = 0.0
         e.drive += step * c.share_drive
@@ -287,20 +291,20 @@ def check_a_x(c: Constants, s: State) -> None:
     if e.ratio <= 0.0:  # start anew
         e.ratio, e.v, e.slip, e.offset, e.scale = 0.0, 0.0, 0.0, 0.0, 0.0
     if s.errs:
-        e.failing += 1.0
+        e.failing += 1.0  # the bit of "a_x_changed"
     if e.failing > 0.0:  # a_x or a motor: neither zero nor speed is known any longer
         s.demand.variance = c.var_zero
         s.anchored = False
 
 
 def check_states(c: Constants, s: State, y: float, *, braking: bool, counts: bool) -> None:
-    """Check innovations and states for plausibility, and follow the level before a step of it."""
+    """Check innovations and states for plausibility; also average the level of the pads."""
     e: Check = s.check
     check_a_x(c, s)
     if braking and counts and not s.errs:
         e.level += (s.level.level - e.level) * c.block / min(s.braked + c.block, c.usual_level)
     if braking and e.chatter > c.chatter:
-        e.failing += 4.0
+        e.failing += 4.0  # the bit of "modulated"
     if counts and (
         y < c.least_demand
         or y > c.most_demand
@@ -308,19 +312,19 @@ def check_states(c: Constants, s: State, y: float, *, braking: bool, counts: boo
         or abs(s.speed.scale - c.scale) > c.most_scale
         or s.speed.slip > c.most_log_slip
     ):
-        e.failing += 8.0
+        e.failing += 8.0  # the bit of "far"
     e.since += c.block
     if e.failing > 0.0:
         e.failed, e.since = e.failing, 0.0
     s.checks = e.failed if e.since < c.recover else 0.0
     if e.refused >= c.refusals:
-        s.checks += 16.0
+        s.checks += 16.0  # the bit of "no_zero"
 
 
 def predict(
     c: Constants, s: State, x: Sample[float], y: float, bends: float, *, braking: bool
 ) -> None:
-    """Predict the speed by a_x; ``bends`` is the change of the mean deceleration [1].
+    """Predict the speed by a_x, (S7); ``bends`` is the change of the mean deceleration [1].
 
     Where the earlier level does not explain the brake force ``y``, the pads changed or a_x errs.
     """
@@ -359,7 +363,7 @@ def predict(
 
 
 def update_wheels(c: Constants, s: State, y: float, *, braking: bool) -> None:
-    """Update speed, slip, offset and scale by the wheel speeds; ``y`` is the brake force."""
+    """Update speed, slip, offset and scale by the wheel speeds, (S8); ``y`` is the brake force."""
     e: Check = s.check
     v, per_force = s.rim + s.speed.v, 0.0
     if braking:
@@ -397,7 +401,7 @@ def step_filters(c: Constants, s: State, x: Sample[float], *, counts: bool) -> N
 def block_state(s: State, *, counts: bool) -> BlockState[float]:
     """Return the estimate of brakes and tyres after a block."""
     return BlockState(
-        s.level.level, s.level.var_level, s.means.blocks, s.mean_z, s.means.shift,
+        s.level.level, s.level.var_level, s.means.blocks, s.mean_z, s.means.eta_rise,
         s.means.z_squared, s.rim + s.speed.v, s.speed.slip, s.speed.scale, s.speed.var_slip,
         s.speed.cov_slip_scale, s.speed.var_scale, s.demand.variance, s.eta_less_1.variance,
         s.means.eta_by_drive, s.share, s.innovation, s.braked, 1.0 + s.eta_less_1.value,
@@ -406,17 +410,17 @@ def block_state(s: State, *, counts: bool) -> BlockState[float]:
 
 
 def held_variance(c: Constants, s: State, level: float) -> float:
-    """Return the variance of a held ratio by its age and by a change of the level since then."""
+    """Return the variance of a held ratio by its age and by the change of the level since."""
     return c.walk_held * s.age + (c.unlike * math.log(level / s.level_then)) ** 2
 
 
 def share_of(c: Constants, width: float, held_width: float) -> float:
-    """Return the weight of a reading, 0 to 1: the more, the narrower than the held ratio it is."""
+    """Return the weight of a reading, (S11): the narrower against the held one, the more, to 1."""
     return min(max((held_width / width - 1.0) / c.narrower, 0.0), 1.0)
 
 
 def reset_held(c: Constants, s: State, level: float, share: float) -> float:
-    """Blend age and level with the ``share`` of a new reading; return `held_variance`."""
+    """Move the held ratio's age and level to a reading by ``share``; return `held_variance`."""
     s.age = (1.0 - share) * s.age
     s.level_then = (1.0 - share) * s.level_then + share * level
     return held_variance(c, s, level)
@@ -425,10 +429,11 @@ def reset_held(c: Constants, s: State, level: float, share: float) -> float:
 def slip_evidence(
     c: Constants, s: BlockState[Array], z: Array, by_map: Array, sigma: Array
 ) -> SlipEvidence:
-    """Update slip and level by the map, whose ln(slip/z) is ``by_map`` with its ``sigma``, (k,).
+    """Update slip and scale by the map, whose ln(slip/z) is ``by_map`` with its ``sigma``, (k,).
 
     Where the scale of a_x departs from its prior, or the slip from the map, by more than is
     trusted, another fault may be the cause: the excess of the square adds to the variances.
+    The slip of the result is (S9); its level has the lag (S13).
     """
     residual = by_map - s.log_slip
     doubt = np.maximum((s.scale - c.scale) ** 2 - c.trusted_scale, 0.0)
@@ -439,13 +444,13 @@ def slip_evidence(
     scale = s.scale + gain * s.slip_scale * residual
     doubt = np.maximum((scale - c.scale) ** 2 - c.trusted_scale, 0.0)
     scale_variance = np.maximum(s.scale_variance - gain * s.slip_scale**2, 0.0)
-    steady = np.maximum(s.level, c.least_share)
+    no_lag = np.maximum(s.level, c.least_share)  # level without the lag
     return SlipEvidence(
         -gain * sigma * residual,
         np.sqrt(gain * variance),
         np.maximum(1.0 - scale, c.least_share),
-        steady * np.clip(s.effective_pressure_share, c.least_share, c.most_share),
-        np.minimum(np.maximum(s.level_variance, 0.0) / steady**2, 1.0),
+        no_lag * np.clip(s.effective_pressure_share, c.least_share, c.most_share),
+        np.minimum(np.maximum(s.level_variance, 0.0) / no_lag**2, 1.0),
         s.demand_variance / z**2 + scale_variance + doubt,
     )
 
@@ -460,7 +465,7 @@ def eta_error(c: Constants, s: BlockState[Array], z: Array) -> Array:
     # While z changes, late axle loads change the slips, and the means leave the curve eta(z).
     # Both errors grow with the variance of z in the means.
     var_z = np.maximum(s.z_squared - z * z, 0.0)
-    slip, curved = np.exp(s.log_slip) * z, s.shift / (z * z)
+    slip, curved = np.exp(s.log_slip) * z, s.eta_rise / (z * z)
     unsteady = c.unsteady * var_z * (slip * slip + curved * curved * var_z)
     of_road = c.other_road * s.eta_by_drive  # known slips are those on the road of the ramp
     return np.sqrt(wheels + s.eta_variance + unsteady + of_road * of_road)
@@ -469,7 +474,10 @@ def eta_error(c: Constants, s: BlockState[Array], z: Array) -> Array:
 def reason_of(
     c: Constants, x: Sample[Array], s: BlockState[Array], level: Array, of_map: Mask
 ) -> Array:
-    """Return the `Reason` of blocks (k,): the last line that applies; ``level`` of the pads [1]."""
+    """Return the `Reason` of blocks (k,): the last line that applies.
+
+    ``level`` is that of the pads [1]; ``of_map`` is whether a map has the (eta - 1)/z.
+    """
     why = np.where(of_map, Reason.VALID, Reason.BEYOND_MAP)
     why = np.where((level <= c.least_level) | (level >= c.most_level), Reason.NO_PAD, why)
     why = np.where(s.checks > 0.0, Reason.IMPLAUSIBLE, why)

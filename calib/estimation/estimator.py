@@ -1,8 +1,6 @@
-r"""Estimate pads and torques of one log, causally and at its own rate.
+"""Estimate pads and torques of one log, causally and at the rate of the log.
 
-    log -> known effects out -> signals -> step of the table -> pad friction, torque, intervals
-
-The step is in `calib.estimation.step`, other methods are in `calib.estimation.baselines`.
+log -> known effects out -> signals -> step of the table -> pad friction, torque, intervals
 """
 
 from dataclasses import dataclass, replace
@@ -63,7 +61,7 @@ class Estimate(Viewable):
     table: Table  # with the car as driven
     car: Vehicle  # with nominal pads and all known effects
     run: Run  # log with its gaps filled
-    ran: CorrectedRun  # samples without known effects, whose factors on pad friction it has
+    ran: CorrectedRun  # the log without known effects, and their factors on the pad friction
     read: Signals  # of ``ran``
     forces: BrakeBalance  # of ``read``
     noise: SensorNoise
@@ -107,17 +105,17 @@ class Estimate(Viewable):
     @property
     def refused(self) -> dict[str, Mask]:
         """Samples (n,) in which the pads bite and the ECU has no valid answer, by reason."""
-        reasons = [reason for reason in Reason if reason is not Reason.VALID]
-        by_ecu = {reason.words: self.bites & (self.ecu.step.reason == reason) for reason in reasons}
-        return dict.fromkeys(self.unfit, self.bites) | by_ecu
+        refused = dict.fromkeys(self.unfit, self.bites)
+        for reason in Reason:
+            if reason is not Reason.VALID:
+                refused[reason.words] = self.bites & (self.ecu.step.reason == reason)
+        return refused
 
     @property
     def zeros(self) -> tuple[float, float]:
-        """Eta (22) and slip [1] before the first bite, by the present radii.
-
-        Without a lead-in both are those of the car's radii, within one per cent.
-        """
-        step, last = self.best.step, int(np.argmax(self.bites)) - 1  # -1 without a bite
+        """Eta (22) and slip [1] before the first bite; without a lead-in by the car's radii."""
+        # the sample before the first bite, the last one (-1) without a bite
+        step, last = self.best.step, int(np.argmax(self.bites)) - 1
         return float(step.zero_eta[last]), float(step.zero_slip[last])
 
     @property
@@ -127,7 +125,7 @@ class Estimate(Viewable):
 
     @property
     def slips(self) -> Pair | None:
-        """Slips (19), (20) of the axles [1] (n,) with the present radii; None without v."""
+        """Slips (19), (20) of the axles [1] (n,) without their zeros; None without v."""
         if self.read.v is None:
             return None
         radius = self.car.front.rolling_radius / (1.0 - self.zeros[1])
@@ -175,14 +173,14 @@ def estimate(
     ----------
     table : the fitted table, or a version of it in a store. Its known effects are taken out of
         the log first, see `calib.run.known_effects`.
-    log : the run, with an unbraked lead-in in which eta is zeroed.
+    log : the run. Without an unbraked lead-in, in which eta is zeroed, the radii are those of the
+        vehicle within one per cent, and eta says little.
     vehicle : nominal pads, if they are not the table's, and known effects, which are added to the
         table's and take precedence.
     mass : mass of the car in this log [kg], if not that of the table's vehicle.
     exported : the table as an ECU reads it, for `Estimate.ecu`, see `calib.table.exported`.
 
-    Raises StoreError for a table without maps, LogError for a log without a block. Without a
-    lead-in the radii are those of the vehicle, within one per cent, and eta says little.
+    Raises StoreError for a table without maps, LogError for a log without a block.
 
     >>> import calib
     >>> logs = calib.sample_logs() / "simulation_study"
@@ -210,7 +208,7 @@ def run_of(
 def estimate_run(
     table: Table, run: Run, vehicle: Vehicle | None = None, exported: Table | None = None
 ) -> Estimate:
-    """Run the estimator on a run by `run_of`; the other arguments as in `estimate`."""
+    """Run the estimator on a run by `run_of`; the other arguments are as in `estimate`."""
     log, car = run.log, run.vehicle
     assert car is not None
     if log.time.size < max(2, samples_of_block(log.sample_time)):
@@ -223,7 +221,7 @@ def estimate_run(
     noise = worst_noise([SensorNoise(**table.noise), filled.lead_in_noise])
     best = read_out(used, noise, filled.signals, filled.blocks, disturbed)
     ran, read = filled.corrected, filled.signals
-    if rows.size < read.time.size:
+    if rows.size < read.time.size:  # leave out the samples in gaps
         best, ran, read = best.take(rows), ran.take(rows), read.take(rows)
     ecu = online(exported or table, replace(car, effects=sensed(car.effects)), log)
     return Estimate(
@@ -244,6 +242,6 @@ def _filled(run: Run) -> tuple[Run, Index]:
     rows = rows_of(run.log)
     if rows.size > rows[-1]:
         return run, rows
-    every = np.arange(rows[-1] + 1)
-    channels = {name: np.interp(every, rows, x) for name, x in run.log.channels.items()}
+    all_rows = np.arange(rows[-1] + 1)
+    channels = {name: np.interp(all_rows, rows, x) for name, x in run.log.channels.items()}
     return replace(run, log=replace(run.log, channels=channels)), rows

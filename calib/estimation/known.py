@@ -1,4 +1,4 @@
-"""Known parts of a table's car: nominal pads, resistance, and slips by known effects."""
+"""Nominal pads of a table's car, its resistance, and slips by its known effects."""
 
 import math
 from dataclasses import replace
@@ -20,7 +20,7 @@ from calib.table.table import Table
 
 @lru_cache(maxsize=4)
 def as_driven(table: Table, car: Vehicle) -> Table:
-    """Return the table with the ``car`` as driven; the logs of a batch share the cached table."""
+    """Return the table with the ``car`` as driven, cached so that all logs of a batch share it."""
     return replace(table, vehicle=car)
 
 
@@ -29,13 +29,15 @@ def nominal_car(table: Table, vehicle: Vehicle | None = None) -> Vehicle:
 
     Without a ``vehicle`` the pads have the ratio of the table's file and the level of the ramp.
     """
-    car, pads = table.vehicle, vehicle or table.vehicle
-    scale = 1.0 if vehicle else math.exp(pad_levels(car, table.calibration).level)
-    return car.with_pads(scale * pads.front.pad_friction, scale * pads.rear.pad_friction)
+    car = table.vehicle
+    if vehicle:
+        return car.with_pads(vehicle.front.pad_friction, vehicle.rear.pad_friction)
+    scale = math.exp(pad_levels(car, table.calibration).level)
+    return car.with_pads(scale * car.front.pad_friction, scale * car.rear.pad_friction)
 
 
 def known_effects(table: Table) -> Effects:
-    """Return resistance of the fit and known effects of the vehicle, which take precedence."""
+    """Return the resistance of the fit with the vehicle's known effects, which take precedence."""
     return table.effects.with_(table.vehicle.effects)
 
 
@@ -58,12 +60,13 @@ def known_resistance(table: Table) -> Resistance:
 
 
 def known_slips(table: Table, road: ForceBalance) -> Pair:
-    """Return the slip of both axles [1] (n,) by known effects: that with them less that without.
+    """Return the slip of both axles [1] (n,) that known effects add: slip with less slip without.
 
     ``road`` has the forces of the car. Slips follow from the tyre curve of the table, with pads of
-    the ramp's ratio. The slip has the relative error of the stiffness of the road against the ramp.
+    the ramp's ratio; on another road they are wrong by the ratio of the tyres' stiffness there.
     """
     car = table.vehicle
+    # -M dv/dt where the brakes alone slow the car: rotating masses take the rest of their force
     alone = road.demanded / (1.0 + sum(rotating_shares(car)))
     share = front_share(car, table.calibration.pad_log_ratio.value)
 

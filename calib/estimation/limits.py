@@ -1,4 +1,4 @@
-"""Limits of a validation, and the judgement of metrics; `limits_file` reads limits from a file."""
+"""Limits of metrics, and the judgement of metrics by them."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -15,11 +15,11 @@ class Limit:
     """Allowed range of a metric; any end may be open (None)."""
 
     figure: str  # key of the metric
-    low: float | None  # a metric outside of low to high fails
+    low: float | None  # a value outside of low to high fails
     high: float | None
-    warn_low: float | None = None  # a metric outside of warn_low to warn_high warns
+    warn_low: float | None = None  # a value outside of warn_low to warn_high warns
     warn_high: float | None = None
-    required: bool = False  # whether a metric that the log cannot give fails
+    required: bool = False  # whether an unknown value fails
 
 
 @dataclass(frozen=True)
@@ -63,8 +63,8 @@ DEFAULTS: tuple[Limit, ...] = tuple(
 )
 """Limits of a stop when the user gives none, in the order of `calib/base/metrics.csv`.
 
-They judge whether an ECU has an answer, and whether the interval of the answer agrees with the
-truth or the estimate with v. The user decides how large errors and intervals may be.
+They judge whether an ECU has an answer, and whether its interval holds the truth, or else the
+estimate with v. How large errors and intervals may be is for the user to limit.
 """
 
 

@@ -5,7 +5,8 @@
     valid_share = { min = 0.7 }
     pad_scale = { fail = [0.8, 1.2], warn = [0.9, 1.1], required = true }
 
-``min`` and ``max`` are the single ends of ``fail``. `-inf` and `inf` leave an end open.
+A value outside ``fail`` fails, a value outside ``warn`` warns. ``min`` and ``max`` are the single
+ends of ``fail``; in a range `-inf` and `inf` leave an end open.
 """
 
 from collections.abc import Collection
@@ -25,7 +26,7 @@ _EXPECTED = "[LOW, HIGH]; -inf, inf: no limit"
 
 
 def _range(written: object) -> object:
-    """Check that a list has two numbers in order; the schema itself refuses true and false."""
+    """Return a list of two numbers in order, else raise; the schema refuses true and false."""
     match written:
         case [int() | float() as low, int() | float() as high]:
             if low <= high and low < inf and high > -inf:
@@ -54,11 +55,12 @@ class _LimitSection(Section):
     @property
     def ends(self) -> tuple[float, float, float, float]:
         """The ranges outside of which the metric fails and warns; an open end is infinite."""
-        low, high = (-inf if self.min is None else self.min, inf if self.max is None else self.max)
+        low = -inf if self.min is None else self.min
+        high = inf if self.max is None else self.max
         return (*(self.fail or (low, high)), *(self.warn or (-inf, inf)))
 
     @model_validator(mode="after")
-    def _says_one_thing(self) -> Self:
+    def _require_consistent(self) -> Self:
         if self.model_fields_set <= {"required"}:
             raise wrong("no limit in it", self.written_as)
         if self.fail is not None and self.model_fields_set & {"min", "max"}:
@@ -74,9 +76,9 @@ class _LimitSection(Section):
 
 def limits_schema(metrics: Collection[str]) -> type[FileSchema]:
     """Return the schema of a limits file for the ``metrics``."""
-    about = "The allowed range of each metric."
-    limits: Any = by_name("LimitsSection", dict.fromkeys(sorted(metrics), _LimitSection), about)
-    return create_model("LimitsFile", __base__=FileSchema, __doc__=about, limits=(limits, ...))
+    text = "The allowed range of each metric."
+    limits: Any = by_name("LimitsSection", dict.fromkeys(sorted(metrics), _LimitSection), text)
+    return create_model("LimitsFile", __base__=FileSchema, __doc__=text, limits=(limits, ...))
 
 
 def read_limits(path: Path, metrics: Collection[str]) -> tuple[Limit, ...]:

@@ -1,7 +1,7 @@
 """Metrics of an estimate: errors against the truth of the log if known, else consistency.
 
 Two answers are scored alike: the best answer, by all channels, and the answer of an ECU without v,
-whose metrics begin with ``ecu_``.
+whose metrics begin with ``ecu_``. At the end: errors of other methods, and variances by cause.
 """
 
 from typing import Any, NamedTuple
@@ -53,12 +53,12 @@ def truth_of(e: Estimate) -> Truth | None:
 
 _SIDES = ("f", "r", "level")
 """Sides for which an answer is scored: each axle, and both together."""
-_NAMES = {
-    "pad_friction_level": "pad_level",
-    "torque_error_level": "level_error",
-    "ecu_truth": "true",
-}
-"""Parts of a composed name, with the parts that replace them."""
+_NAMES = (
+    ("pad_friction_level", "pad_level"),
+    ("torque_error_level", "level_error"),
+    ("ecu_truth", "true"),
+)
+"""Parts of a name that `score` composes, and what replaces them in the key of the metric."""
 
 
 def score(e: Estimate) -> Figures:
@@ -80,10 +80,10 @@ def score(e: Estimate) -> Figures:
     # torques of the best answer count wherever the brakes bite, those of the ECU where it is valid
     bites = counted & np.isfinite(e.best.pads_f.value)
     answers = ("", e.best, valid, bites), ("ecu_", e.ecu, by_ecu, by_ecu)
-    for prefix, answer, of_pads, of_torques in answers:
-        for metric, values in _of_answer(answer, truth, of_pads, of_torques).items():
-            by_side = zip(_SIDES, values, strict=True)
-            figures |= {f"{prefix}{metric}_{side}": value for side, value in by_side}
+    for prefix, answer, use_pads, use_torques in answers:
+        for metric, values in _of_answer(answer, truth, use_pads, use_torques).items():
+            for side, value in zip(_SIDES, values, strict=True):
+                figures[f"{prefix}{metric}_{side}"] = value
     if valid.any():
         covered = np.maximum(*e.normalised) <= e.table.tyre.force[-1]
         figures["covered_share"] = share(covered, valid)
@@ -93,7 +93,7 @@ def score(e: Estimate) -> Figures:
     if e.blocks.v is not None and comparable.any():
         figures["ecu_reference_f"] = departure(e.ecu.pads_f, e.best.pads_f, comparable)
         figures["ecu_reference_r"] = departure(e.ecu.pads_r, e.best.pads_r, comparable)
-    for part, name in _NAMES.items():
+    for part, name in _NAMES:
         figures = {key.replace(part, name): x for key, x in figures.items()}
     return {key: finite_or_none(figures.get(key)) for key in METRICS}
 
@@ -104,17 +104,17 @@ def counted_samples(e: Estimate) -> Mask:
 
 
 def share(part: Mask, whole: Mask) -> float:
-    """Return the share of the ``whole`` in ``part`` [1]: 0 of nothing, which must not pass."""
+    """Return the share of ``part`` in the ``whole`` [1]; 0 of nothing, which must not pass."""
     return float(np.sum(part & whole)) / max(float(np.sum(whole)), 1.0)
 
 
 def _of_answer(
     answer: Readout, truth: Truth | None, valid: Mask, counted: Mask
 ) -> dict[str, Array]:
-    """Return metrics by side (3,) over ``valid`` samples, of torques over ``counted`` ones."""
+    """Return metrics by side (3,): of pads over ``valid`` samples, of torques over ``counted``."""
     metrics: dict[str, Array] = {}
     pads = np.array([answer.pads_f, answer.pads_r, answer.level])  # (side, value and bounds, n)
-    x = Bounded(*pads[..., valid].swapaxes(0, 1))
+    x = Bounded(*pads[..., valid].swapaxes(0, 1))  # (side, n valid) each
     third = x.value.shape[1] // 3  # samples in a third of the stop
     if 3 * third >= _FEWEST:
         first, last = x.value[:, :third].mean(axis=1), x.value[:, -third:].mean(axis=1)
@@ -130,15 +130,15 @@ def _of_answer(
         true_pads = np.vstack([truth.pad_friction, level])
         true = true_pads[:, valid]
         comparable = np.isfinite(true) & (true > 0.0)
-        deviations = np.where(comparable, x.deviations(true), 0.0)
+        errors = np.where(comparable, x.deviations(true), 0.0)
         count = comparable.sum(axis=1)
+        error = _rms((torque - true_torque)[:, counted])
         return metrics | {
-            "torque_error": _rms((torque - true_torque)[:, counted])
-            / _rms(true_torque[:, counted]),
+            "torque_error": error / _rms(true_torque[:, counted]),
             "pad_friction_bias": np.abs((x.value / true - 1.0).mean(axis=1)),
             "final_error": np.abs(pads[:, 0] / true_pads - 1.0)[:, counted][:, -1],
             "inside": ((true >= x.lower) & (true <= x.upper)).mean(axis=1),
-            "normalised_error": np.sqrt(np.square(deviations).sum(axis=1) / count),
+            "normalised_error": np.sqrt(np.square(errors).sum(axis=1) / count),
             "truth_pad_friction": np.where(comparable, true, 0.0).sum(axis=1) / count,
         }
 
@@ -150,8 +150,8 @@ def departure(ecu: Bounded, best: Bounded, valid: Mask) -> float:
 
         var(ln best - ln ecu) = var(ln truth | channels of the ECU) - var(ln truth | v as well)
 
-    and common errors of the ramp cancel. The deviation counts as at least half of the ECU's, since
-    interpolated bounds need not get narrower by v.
+    and common errors of the ramp cancel. The standard deviation counts as at least half of the
+    ECU's, since interpolated bounds need not get narrower by v.
     """
     of_ecu, of_best = ecu.sigma[valid], best.sigma[valid]
     spread = np.sqrt(np.maximum(of_ecu**2 - of_best**2, (0.5 * of_ecu) ** 2))
@@ -181,12 +181,12 @@ def baseline_errors(e: Estimate) -> dict[str, tuple[float, float]]:
 
 
 def budget(e: Estimate) -> tuple[Parts, Parts] | None:
-    """Return the variance of the front and of the rear pads by cause; None without valid samples.
+    """Return the standard deviation of front and of rear pads by cause; None without valid samples.
 
         ln mu = ln level + lever ln ratio     lever: share of the other axle in the brake force
 
     Causes of errors of the level: mass and resistance, accelerometer, noise. Causes of errors of
-    the ratio: eta, tyres and pads on the ramp, and changes in the stop. The parts add up to the
+    the ratio: eta, tyres and pads on the ramp, and changes in the stop. The squares add up to the
     variance at the valid sample with the median interval of the axle.
     """
     if not e.valid.any():
@@ -199,17 +199,17 @@ def _of_axle(e: Estimate, pads: Bounded, axle: int) -> Parts:
     step, draws = e.best.step, e.table.draws
     order = np.argsort(np.where(e.valid, pads.upper / pads.lower, np.inf), kind="stable")
     i = order[(np.count_nonzero(e.valid) - 1) // 2]  # the narrower of the two in the middle
-    share = front_share(e.table.vehicle, float(step.ratio[0, i]))
-    lever = (1.0 - share, share)[axle] ** 2
-    ramp = lever * np.var(draws.log_pad_ratio)
+    front = front_share(e.table.vehicle, float(step.ratio[0, i]))
+    squared_lever = (1.0 - front, front)[axle] ** 2
+    ramp = squared_lever * np.var(draws.log_pad_ratio)
     total, level = (x.sigma[i] ** 2 for x in (pads, e.best.level))
     # the last cause of level and of ratio takes the remainder of the variance
     of_level = ("accelerometer", step.accelerometer[i]), ("noise", step.noise[i]), ("mass", np.inf)
-    of_ratio = ("zeros", lever * step.zeros[i]), ("tyres", ramp), ("unlike_pads", np.inf)
-    parts = {}
+    of_ratio = ("zeros", squared_lever * step.zeros[i]), ("tyres", ramp), ("unlike_pads", np.inf)
+    variances = {}
     for variance, causes in ((level, of_level), (total - level, of_ratio)):
         unexplained = max(float(variance), 0.0)
         for part, known in causes:
-            parts[part] = min(float(known), unexplained)
-            unexplained -= parts[part]
-    return deviations(parts)
+            variances[part] = min(float(known), unexplained)
+            unexplained -= variances[part]
+    return deviations(variances)

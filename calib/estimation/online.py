@@ -1,9 +1,9 @@
-"""Compute what an ECU answers with a table: causal, with sensors that may fail.
+"""Compute the answers of an ECU with a table: causal, with sensors that may fail.
 
     samples --check range--> signals --50 ms--> blocks --step of the table--> answer of a block
 
-An answer stands until the next block ends. `online` is ``ecu`` of `calib.estimation.estimator`, and
-the reference of the C code.
+An answer stands until the next block ends. `online` makes the answers ``ecu`` of an `Estimate`, and
+is the reference of the C code.
 """
 
 from dataclasses import replace
@@ -27,10 +27,7 @@ from calib.table.table import Table
 
 
 class Variable(NamedTuple):
-    """A variable of the ECU or of an FMU, in SI: a row of `variables.csv`, with its columns.
-
-    A working sensor changes by at most ``jump`` + ``rate`` dt over a time dt.
-    """
+    """A variable of the ECU or of an FMU, in SI: a row of `variables.csv`, with its columns."""
 
     estimator: str  # causality and variability in the FMU of the estimator, "" if not in it
     car: str  # the same in the FMU of the car
@@ -39,7 +36,7 @@ class Variable(NamedTuple):
     meaning: str
     low: float  # least and largest reading of a working sensor
     high: float
-    jump: float
+    jump: float  # a working sensor changes by at most jump + rate dt over a time dt
     rate: float
 
 
@@ -61,14 +58,14 @@ REASON = VARIABLES.pop("reason")
 ANSWERS = {x.name: x for x in VARIABLES.values() if "output" in x.estimator}
 """Quantities of an answer (9, 3), each a median with its 95 % bounds, without the `Reason`."""
 
-_LONGEST_GAP = 10.0  # a longer gap of a log [s] counts as this: only the zeros last as long
+_LONGEST_GAP = 10.0  # a longer gap of a log [s] counts as this: nothing but the zeros lasts longer
 
 
 def rows_of(log: Log) -> Index:
-    """Return the row (n,) of each sample of a log in `samples_of`."""
+    """Return the row (n,) of each sample of a log in `samples_of`, which has rows for gaps, too."""
     steps, longest = np.diff(log.time) / log.sample_time, _LONGEST_GAP / log.sample_time
-    advance = np.where(steps > GAP, np.round(np.minimum(steps, longest)), 1.0)
-    return np.append(0, np.cumsum(advance)).astype(np.intp)
+    rows_ahead = np.where(steps > GAP, np.round(np.minimum(steps, longest)), 1.0)
+    return np.append(0, np.cumsum(rows_ahead)).astype(np.intp)
 
 
 def samples_of(log: Log) -> Array:
@@ -80,15 +77,14 @@ def samples_of(log: Log) -> Array:
     return samples
 
 
-_GRIP = 1.2  # force of an axle over the weight of the car that no tyres have [1]
-_FASTEST = 110.0  # speed that no car has [m/s]
+_GRIP = 1.2  # force of an axle over the weight of the car that no tyres reach [1]
+_FASTEST = 110.0  # speed that no car reaches [m/s]
 
 
 def limits(sample_time: float, car: Vehicle) -> tuple[Array, Array, Array]:
     """Return least and largest readings of `CHANNELS`, and largest change per call, (11,) each.
 
-    ``sample_time`` is the time between calls [s]. The torque of a motor is limited by the grip of
-    the tyres of the ``car``, the wheel speeds by that of the fastest car.
+    ``sample_time`` is the time between calls [s]. Tyres of the ``car`` limit the torque of a motor.
     """
     sensors = CHANNELS.values()
     low, high, jump, rate = np.array([(x.low, x.high, x.jump, x.rate) for x in sensors]).T
@@ -111,9 +107,7 @@ def online(table: Table, car: Vehicle, log: Log) -> Readout:
     rows, step = rows_of(log), log.sample_time
     _, readings, works = held_readings(samples_of(log), limits(step, car))
     good = works.all(axis=1)
-    time = step * np.arange(len(readings), dtype=np.float64)
-    channels = {"time": time, **dict(zip(CHANNELS, readings.T, strict=True))}
-    run = Run(replace(log, channels=channels), car, causal=True)
+    run = Run(replace(log, channels=_channels_of(readings, step)), car, causal=True)
     b, corrected = run.blocks, run.corrected
     fault = block_mean(np.where(good, 0.0, 1.0), b.samples) > 0.0
     # Spin is a difference of two blocks, so a held reading spoils the spin of its block and of the
@@ -128,7 +122,7 @@ def online(table: Table, car: Vehicle, log: Log) -> Readout:
     )
     reason = np.where(good, readout.step.reason, Reason.FAULT)
     readout = readout.with_pads(corrected.factor_f, corrected.factor_r)
-    # Bit i: channel i fails; above them the bits of the step.
+    # bit i is set while channel i fails; the bits of the step follow those of the channels
     diagnosis = (~works) @ (2.0 ** np.arange(len(CHANNELS)))
     diagnosis += 2.0 ** len(CHANNELS) * readout.step.diagnosis
     readout = replace(readout, step=readout.step._replace(reason=reason, diagnosis=diagnosis))
@@ -141,16 +135,21 @@ def answered(table: Table, sample_time: float, samples: Array) -> Array:
     ``sample_time`` is that of the ECU's task [s]. A row has the `Reason`, then `ANSWERS` with their
     bounds; all are finite.
     """
-    time = sample_time * np.arange(len(samples), dtype=np.float64)
-    channels = {"time": time, **dict(zip(CHANNELS, samples.T, strict=True))}
-    readout = online(table, table.vehicle, Log("", "", "", channels))
+    log = Log("", "", "", _channels_of(samples, sample_time))
+    readout = online(table, table.vehicle, log)
     return np.vstack([readout.step.reason, *(getattr(readout, name) for name in READ_OUT)]).T
+
+
+def _channels_of(samples: Array, sample_time: float) -> dict[str, Array]:
+    """Return the channels of a log, with its time, from ``samples`` (n, 11)."""
+    time = sample_time * np.arange(len(samples), dtype=np.float64)
+    return {"time": time, **dict(zip(CHANNELS, samples.T, strict=True))}
 
 
 def held_readings(
     x: Array, bounds: tuple[Array, Array, Array], last_readings: tuple[Array, Array] | None = None
 ) -> tuple[Array, Array, Mask]:
-    """Return the last readings in range, the last good ones, and whether sensors work, of ``x``.
+    """Return the last readings in range, the last good ones, and which sensors work, of ``x``.
 
     ``x`` and the results are (n, 11); a good reading is in range and no jump. ``bounds`` are from
     `limits`, ``last_readings`` the first two results before ``x``, (11,) each, None at the start.

@@ -3,7 +3,6 @@
 signals --blocks--> step --> level, ratio --> pads, changes --samples--> torques, their sum
 """
 
-import itertools
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -52,11 +51,10 @@ class Bounded(NamedTuple):
 class Readout:
     """Answer of the step for each sample (n,), and the pads and torques by this answer.
 
-    Known effects on the pads are taken out of the pad frictions of an `Estimate`, not out of the
-    torques.
+    The pad frictions of an `Estimate` are without known effects on the pads, the torques with them.
     """
 
-    inputs: Sample[Array]  # inputs of the step, for each block
+    inputs: Sample[Array]  # inputs of the step, for each block (k,)
     step: Answer  # answer of the last whole block, for each sample
     level: Bounded  # sum of the brake torques over that of the file's pads [1]
     ratio: Bounded  # front pads over rear ones [1]
@@ -81,11 +79,8 @@ class Readout:
 
     def take(self, rows: Index) -> "Readout":
         """Return the samples at ``rows`` alone."""
-        at_rows: dict[str, Any] = {
-            name: Bounded(x.value[rows], x.lower[rows], x.upper[rows])
-            for name, x in vars(self).items()
-            if isinstance(x, Bounded)
-        }
+        fields = [(name, x) for name, x in vars(self).items() if isinstance(x, Bounded)]
+        at_rows: dict[str, Any] = {name: Bounded(*(y[rows] for y in x)) for name, x in fields}
         return replace(self, step=self.step.take(rows), **at_rows)
 
     def columns(self) -> dict[str, Array | Mask]:
@@ -123,30 +118,30 @@ def read_out(
     disturbed: Index,
     driven: Mask | bool = False,
 ) -> Readout:
-    """Run the step of a ``table`` over the signals of a log.
+    """Run the step of a ``table`` over the signals ``s`` of a log, with means over blocks ``b``.
 
-    The table's vehicle is as driven, with the pads of the file. ``b`` are means of the signals
-    ``s`` over blocks, ``disturbed`` (n,) is as by `disturbances`, and ``driven`` (n,) whether the
-    accelerator is pressed.
+    The table's vehicle is as driven, with the pads of the file. ``disturbed`` (n,) is as by
+    `disturbances`, ``driven`` (n,) is whether the accelerator is pressed.
     """
-    whole = b.end.size * b.samples  # samples in whole blocks
-    reason = disturbed[:whole].reshape(-1, b.samples).max(axis=1)
-    pressed = np.broadcast_to(driven, s.time.shape)[:whole].reshape(-1, b.samples).max(axis=1)
+    whole, by_block = b.end.size * b.samples, (-1, b.samples)  # samples in whole blocks
+    reason = disturbed[:whole].reshape(by_block).max(axis=1)
+    pressed = np.broadcast_to(driven, s.time.shape)[:whole].reshape(by_block).max(axis=1)
     x = step_inputs(table, b, reason, pressed)
     c = constants(table, noise, b.length)
     answer = with_before(c, run(c, x))
     # place of the last complete block in ``answer``, which begins with that before any block
     block = np.searchsorted(b.end, s.time, side="right")
-    bounded = [quantity[:, block] for quantity in pads_of_blocks(table, x, answer)]
-    level, _, pads_f, pads_r, *_ = bounded
-    bounded += torques_of(table.vehicle, (s.p_f, s.p_r), level, (pads_f, pads_r))
-    return Readout(x, answer.take(block), *itertools.starmap(Bounded, bounded))
+    pads = [quantity[:, block] for quantity in pads_of_blocks(table, x, answer)]
+    level, _, pads_f, pads_r, *_ = pads
+    torques = torques_of(table.vehicle, (s.p_f, s.p_r), level, (pads_f, pads_r))
+    # in the order of the fields of a `Readout`
+    return Readout(x, answer.take(block), *(Bounded(*quantity) for quantity in (*pads, *torques)))
 
 
 def torques_of(
     car: Vehicle, pressures: tuple[Array | float, Array | float], level: Array, pads: Pair
 ) -> tuple[Array, Array, Array]:
-    """Return the torque of a front wheel, a rear wheel and all [N m], with bounds (3, n) each.
+    """Return the torque of a front wheel, of a rear wheel and of all [N m], (3, n) each, by (S16).
 
     ``pressures`` are those of the axles [Pa] (n,); ``level`` and ``pads`` [1] have bounds (3, n).
     """
@@ -156,7 +151,7 @@ def torques_of(
 
 
 def pads_of_blocks(table: Table, x: Sample[Array], answer: Answer) -> tuple[Array, ...]:
-    """Return level, ratio, pads of both axles, and their change since the ramp, (3, 1 + k) each.
+    """Return level, ratio, pads of both axles, and their quotients by the ramp's, (3, 1 + k) each.
 
     ``x`` are the inputs of blocks (k,), ``answer`` is that of `with_before` (1 + k,).
     """
@@ -184,9 +179,8 @@ def with_before(c: Constants, answer: Answer) -> Answer:
 
 
 def step_inputs(table: Table, b: Blocks, disturbed: Index, driven: Mask) -> Sample[Array]:
-    """Return the inputs of the step (k,).
+    """Return the inputs of the step (k,), without known resistance and slips by known effects.
 
-    Known resistance, and the slips that known effects cause, are taken out of them.
     ``disturbed`` is the `Reason` of each block (k,), ``driven`` whether the accelerator is pressed.
     """
     car = table.vehicle
@@ -194,6 +188,7 @@ def step_inputs(table: Table, b: Blocks, disturbed: Index, driven: Mask) -> Samp
     road = block_balance(car, known_effects(table), b)
     slips = known_slips(table, road)
     eta_less_1 = b.eta / speed_ratio(*slips) - 1.0
+    drive = b.drive_f / car.front.rolling_radius + b.drive_r / car.rear.rolling_radius  # [N]
     return Sample(
         demand=road.demanded / car.weight,
         nominal=(brake_f + brake_r) / car.weight,
@@ -207,8 +202,7 @@ def step_inputs(table: Table, b: Blocks, disturbed: Index, driven: Mask) -> Samp
         # ln of front over rear pressure adds to the log odds of the front share of the force
         log_odds=np.log(np.maximum(b.p_f, 1e4) / np.maximum(b.p_r, 1e4)),
         driven=driven.astype(np.float64),
-        drive=(b.drive_f / car.front.rolling_radius + b.drive_r / car.rear.rolling_radius)
-        / car.weight,
+        drive=drive / car.weight,
         eta_by_drive=eta_less_1 - (b.eta - 1.0),
     )
 

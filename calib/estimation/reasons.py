@@ -1,4 +1,4 @@
-"""Reasons why an answer is not valid, and the reasons that the signals alone give."""
+"""Reasons why an answer is not valid, and the reasons that signals give: bends, locks and ABS."""
 
 from enum import IntEnum
 
@@ -20,7 +20,7 @@ class Reason(IntEnum):
     An answer is not valid where the model does not hold, never because its interval is wide.
     """
 
-    words: str
+    words: str  # the second half of each member
 
     def __new__(cls, value: int, words: str) -> "Reason":
         """Return the number ``value`` with its ``words``."""
@@ -49,17 +49,23 @@ CHECKS = {
     "far": "what was learned of a_x, or the demanded force, is as of no car",
     "no_zero": "what is read while nothing brakes is no zero",
 }
-"""Checks of innovations and states, each with words for its failure: `Reason.IMPLAUSIBLE`."""
+"""Checks of innovations and states, with words for a failure, whose reason is IMPLAUSIBLE.
+
+A set of failures is a number with a bit for each check, from the first: 1, 2, 4, 8 and 16.
+"""
 
 
 def disturbances(table: Table, log: Log, s: Signals) -> Index:
     """Return the `Reason` of each sample (n,) by a bend, a locked wheel or ABS; 0 without any."""
-    car, none = table.vehicle, np.zeros_like(s.time)
+    car, zeros = table.vehicle, np.zeros_like(s.time)
     slip = np.interp(s.z, table.tyre.force, table.tyre.slip)
-    acceleration = lateral(log, s, car.track_width, slip=slip, height=car.cg_height)
-    since_abs = time_since(s.time, log.channels.get("abs_active", none) > 0.5)
-    signals = since_abs, time_since(s.time, _locks(log, s)), acceleration
-    return first_reason(*signals, log.channels.get("steering", none), s.sample_time)
+    return first_reason(
+        time_since(s.time, log.channels.get("abs_active", zeros) > 0.5),
+        time_since(s.time, _locks(log, s)),
+        lateral(log, s, car.track_width, slip=slip, height=car.cg_height),
+        log.channels.get("steering", zeros),
+        s.sample_time,
+    )
 
 
 def first_reason(
@@ -69,12 +75,12 @@ def first_reason(
     steering: Array | float,
     sample_time: float,
 ) -> Index:
-    """Return the `Reason` of samples (n,), or of one: ABS, else a lock, else a bend, else 0.
+    """Return the `Reason` of samples (n,), or of a single one: ABS, else a lock, else a bend.
 
     ``since_abs`` and ``since_lock`` are times since ABS worked and a wheel locked [s], lateral
     ``acceleration`` is in m/s^2, ``steering`` is the angle of the driver's wheel [rad].
     """
-    c, half = Constants, 0.5 * sample_time  # half a sample, else a rounding could decide
+    c, half = Constants, 0.5 * sample_time  # half a sample more, so that no rounding decides
     turned = np.where(np.abs(steering) < c.steering, 0, Reason.TURNED)
     reason = np.where(np.abs(acceleration) >= c.lateral, Reason.CORNERS, turned)
     reason = np.where(since_lock <= c.recover + half, Reason.LOCKED, reason)
@@ -84,16 +90,17 @@ def first_reason(
 def _locks(log: Log, s: Signals) -> Mask:
     """Return the samples (n,) in which a wheel is slower than the fastest one by `Constants.lock`.
 
-    All four wheels may lock together. So the fastest speed is at least that of v, and slows by no
-    more than a road lets a car slow.
+    All four wheels may lock together. So the fastest wheel counts as at least as fast as v says,
+    and as slowing by at most `Constants.slows`.
     """
     channels = (log[f"omega_{w}"] for w in WHEELS)
-    # (4, n); the median of three samples is that of the one before, so that it is causal
+    # (4, n); each sample has the median of the three around the sample before: it is causal
     wheels = np.stack([np.append(x[0], median_of_three(x)[:-1]) for x in channels])
     fastest = wheels.max(axis=0)
     if s.v is not None and s.lead_in.any():
         per_speed = float(np.mean(fastest[s.lead_in]) / np.mean(s.v[s.lead_in]))
         fastest = np.maximum(fastest, per_speed * s.v)
+    # the largest of all earlier speeds, each less what wheels can slow since then
     slowed = Constants.slows * np.append(s.time[0], s.time[:-1])
     fastest = np.maximum.accumulate(fastest + slowed) - slowed
     is_slower = fastest - wheels.min(axis=0) > Constants.lock * np.maximum(fastest, 1.0)

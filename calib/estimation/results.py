@@ -1,7 +1,6 @@
 """Write the results of a validation: one row per sample as Parquet, and the summary as JSON.
 
-Units are in the metadata of each column, so that any Parquet reader can show them. Files are
-written completely or not at all.
+The metadata of each column holds its unit. Files are written completely or not at all.
 """
 
 import json
@@ -26,13 +25,13 @@ SUMMARY = "summary.json"
 
 
 def to_dict(
-    stored: Stored, results: list[Validation], how: Precision | None = None
+    stored: Stored, results: list[Validation], precision: Precision | None = None
 ) -> dict[str, object]:
     """Return `summary.json`: metrics, judgements and baselines of every log, and the verdict.
 
-    ``how`` is the precision with which the table was exported, None for its full maps.
+    ``precision`` is that of the exported table, None for the full maps of the table.
     """
-    together, ramp = agreement(results), stored.table.calibration
+    between_stops, ramp = agreement(results), stored.table.calibration
     warnings = [*stored.table.warnings, *(w for r in results for w in r.all_warnings)]
     return {
         "schema": 1,
@@ -43,10 +42,10 @@ def to_dict(
         "warnings": [warning_dict(w) for w in warnings],
         "verdict": PASSED if all(r.passed for r in results) else FAILED,
         "proof": proof_of(results),
-        "exported": None if how is None else asdict(how),
+        "exported": None if precision is None else asdict(precision),
         "ramp_pads": [ramp.pad_friction_f.value, ramp.pad_friction_r.value],
         "logs": [_of_log(r) for r in results],
-        "agreement": None if together is None else asdict(together),
+        "agreement": None if between_stops is None else asdict(between_stops),
         "unseen": [entry._asdict() for entry in unseen_in(stored, results)],
     }
 
@@ -58,7 +57,7 @@ def unseen_in(stored: Stored, results: Sequence[Validation]) -> list[Unseen]:
 
 
 def _of_log(r: Validation) -> dict[str, object]:
-    return {
+    entry: dict[str, object] = {
         "log": r.log,
         "digest": r.digest,
         "role": r.role,
@@ -78,14 +77,16 @@ def _of_log(r: Validation) -> dict[str, object]:
         "rms_error_by_method": {
             name: {"front": front, "rear": rear} for name, (front, rear) in r.baselines.items()
         },
-        **({"notes": [NO_HOLDOUT]} if r.role == CALIBRATION else {}),
     }
+    if r.role == CALIBRATION:
+        entry["notes"] = [NO_HOLDOUT]
+    return entry
 
 
 def write_results(results: list[Validation], summary: dict[str, object], out: Path) -> list[Path]:
     """Write ``out``/<log>.parquet for every log and ``out``/summary.json; return the paths.
 
-    All of them or none, the summary last. Results of other logs in ``out`` stay. Raises OSError if
+    All of them are written or none. Results of other logs in ``out`` stay. Raises OSError if
     ``out`` cannot be written.
     """
     with work_folder(out) as work:

@@ -2,7 +2,7 @@
 
 sample --check range--> readings of a block --50 ms--> step of the table --> answer of a block
 
-The equations and answers are those of `calib.estimation.online`.
+The answers are those of `calib.estimation.online` to a whole log.
 """
 
 import math
@@ -38,14 +38,14 @@ class Online:
         self._c = constants(self._table, SensorNoise(**table.noise), block)
         self._state = started(self._c)
         self._since_lock = self._since_abs = math.inf
-        self._omega: Array | None = None  # mean wheel speeds of the last block [rad/s] (2,)
+        self._omega: Array | None = None  # wheel speeds of the axles in the last block [rad/s] (2,)
         self._faulty = False  # whether the last block had a fault
         self._fastest = self._lateral = 0.0  # wheel speed [rad/s], lateral acceleration [m/s^2]
-        self._readings: tuple[Array, Array] | None = None  # last ones in range, last good ones
-        self._wheels = list[Array]()  # wheel speeds of the last three samples
+        # last readings in range, and last good ones, (11,) each
+        self._readings: tuple[Array, Array] | None = None
+        self._wheels = list[Array]()  # wheel speeds of the last three samples [rad/s] (4,)
         self._rows, self._reasons = list[Array](), list[int]()  # samples of the present block
-        self._reason, self._answers = int(Reason.NOT_BRAKED), np.zeros((4, 3))
-        self._block_ends(with_answer=False)
+        self._end_block(is_first=True)  # answers as before any block
 
     def step(self, sample: Mapping[str, float]) -> dict[str, float]:
         """Return the `Reason` and `ANSWERS` with bounds after a sample, by their names in C.
@@ -61,24 +61,23 @@ class Online:
         self._reasons.append(disturbance if good else Reason.FAULT)
         self._readings = in_range, last
         if len(self._rows) == self._n:
-            self._block_ends()
-        pressure, (level, _, *pads) = last[ecu.P_MC], self._answers
-        car, pressures = self._table.vehicle, (pressure, pressure)
-        front, rear, total = torques_of(car, pressures, level, (pads[0], pads[1]))
-        torques = front, front, rear, rear, total
-        answers = {
-            f"{name}{end}": float(value)
-            for name, bounded in zip(ecu.ANSWERS, (*self._answers, *torques), strict=True)
-            for end, value in zip(ENDS, bounded, strict=True)
-        }
-        return {"reason": float(self._reason if good else Reason.FAULT), **answers}
+            self._end_block()
+        level, _, pads_f, pads_r = self._answers
+        pressures = last[ecu.P_MC], last[ecu.P_MC]
+        front, rear, total = torques_of(self._table.vehicle, pressures, level, (pads_f, pads_r))
+        answers = *self._answers, front, front, rear, rear, total
+        out = {"reason": float(self._reason if good else Reason.FAULT)}
+        for name, bounded in zip(ecu.ANSWERS, answers, strict=True):
+            for end, value in zip(ENDS, bounded, strict=True):
+                out[f"{name}{end}"] = float(value)
+        return out
 
     def _disturbance(self, x: Array) -> int:
-        """Return the `Reason` by good readings ``x`` (11,), as `disturbances` does."""
+        """Return the `Reason` by good readings ``x`` (11,), as `disturbances` of a log does."""
         c, car = self._c, self._table.vehicle
-        self._wheels = [*(self._wheels or [x[ecu.OMEGA]] * 2), x[ecu.OMEGA]][-3:]
-        first, last, now = self._wheels
-        middle = np.clip(now, np.minimum(first, last), np.maximum(first, last))
+        earlier = self._wheels or [x[ecu.OMEGA], x[ecu.OMEGA]]
+        self._wheels = [*earlier, x[ecu.OMEGA]][-3:]
+        middle = np.median(self._wheels, axis=0)
         self._fastest = max(float(middle.max()), self._fastest - c.slows * self._dt)
         locks = self._fastest - middle.min() > c.lock * max(self._fastest, 1.0)
         locks = locks and self._fastest > c.turning
@@ -93,8 +92,8 @@ class Online:
         signals = self._since_abs, self._since_lock, self._lateral, x[ecu.STEERING]
         return int(first_reason(*signals, self._dt))
 
-    def _block_ends(self, *, with_answer: bool = True) -> None:
-        """Take in the means of a block and answer; ``with_answer`` False before the first block."""
+    def _end_block(self, *, is_first: bool = False) -> None:
+        """Run the step on a block; if ``is_first``, answer as before any block."""
         x = np.array(self._rows or [np.zeros(len(ecu.CHANNELS))])
         fault, disturbed = Reason.FAULT in self._reasons, max(self._reasons, default=0)
         driven = np.array([x[:, ecu.DRIVEN].max() > 0.5])
@@ -104,7 +103,7 @@ class Online:
         omega, z, car = np.array([fl + fr, rl + rr]) / 2.0, -a_x / G, self._table.vehicle
         radii = np.array([car.front.rolling_radius, car.rear.rolling_radius])
         spin = np.zeros(2) if self._omega is None else (omega - self._omega) / self._c.block
-        if self._faulty or fault:
+        if self._faulty or fault:  # the spin of a held reading is wrong
             spin = -G * z / radii
         drive_f, drive_r = x[:, ecu.DRIVE].mean(axis=0)
         means = {"p_f": p, "p_r": p, "z": z, "speed": radii[1] * omega[1], "end": 0.0}
@@ -114,14 +113,16 @@ class Online:
         b = Blocks(**columns, v=None, samples=self._n, length=self._c.block)
         inputs = step_inputs(self._table, b, np.array([disturbed]), driven)
         block = Sample(*(float(y[0]) for y in inputs))
-        state = self._state if with_answer else started(self._c)
-        if with_answer:
+        state = started(self._c) if is_first else self._state
+        if not is_first:
             self._omega, self._faulty = omega, fault
         of_block = Answer(*(np.asarray(y)[..., None] for y in step(self._c, state, block)))
-        answer, place = with_before(self._c, of_block), int(with_answer)
+        answer, place = with_before(self._c, of_block), 0 if is_first else 1
         self._reason = int(answer.reason[place])
-        answers = pads_of_blocks(self._table, inputs, answer)[:4]
-        self._answers = np.stack([y[:, place] for y in answers])
+        pads = pads_of_blocks(self._table, inputs, answer)[:4]
+        self._answers = [
+            y[:, place] for y in pads
+        ]  # level, ratio and pads of both axles, (3,) each
 
 
 def online(table: Table | Stored, sample_time: float) -> Online:

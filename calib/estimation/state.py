@@ -1,6 +1,6 @@
-"""State of the step, and `Sample`, its input of a block.
+"""State of the step, and `Sample`, the input of the step for a block.
 
-The classes are those of the C code, too: `calib.ecu.translation` reads their fields.
+The classes are those of the C code, too: `calib.ecu.structures` reads their fields and comments.
 """
 
 from collections import deque
@@ -15,18 +15,18 @@ Number = TypeVar("Number", float, Array)
 
 
 class Sample(NamedTuple, Generic[Number]):
-    """Means over a block, SI."""
+    """Means over a block, in SI units."""
 
     demand: Number  # brake force that the deceleration demands, over the weight [1]
     nominal: Number  # brake force of nominal pads, over the weight [1]
-    pressure: Number  # of the axle with the higher one [Pa]
+    pressure: Number  # higher one of the axles' pressures [Pa]
     z: Number  # deceleration [1]
-    eta_less_1: Number  # eta - 1 with its zero [1]; float32 is coarse near 1
+    eta_less_1: Number  # raw eta - 1 [1], not over its zero; less 1, as float32 is coarse near 1
     rim: Number  # speed of the front wheels' rims [m/s]
-    rear_share: Number  # of the load [1]
+    rear_share: Number  # share of the rear axle in the load [1]
     v: Number  # measured speed [m/s], NaN where not logged
     disturbed: Number  # number of a `Reason` while the car is steered or a wheel locks, else 0
-    log_odds: Number  # ln of the front pressure over the rear one
+    log_odds: Number  # ln of the front pressure over the rear pressure [1]
     driven: Number  # 1 while the accelerator is pressed: nothing is zeroed then
     drive: Number  # force of motors in the demand [1]
     eta_by_drive: Number  # part of eta by drive and rolling resistance, taken out of it [1]
@@ -60,10 +60,10 @@ class LevelFilter:
 class SpeedFilter:
     """Kalman filter of the speed: states, then their variances and covariances."""
 
-    v: float = 0.0  # less the speed of the rims [m/s]: a small number
-    slip: float = 0.0  # ln(slip/z)
-    offset: float = 0.0  # of a_x [1]
-    scale: float = 0.0  # of a_x [1]
+    v: float = 0.0  # speed of the car less that of the rims [m/s]: a small number
+    slip: float = 0.0  # ln(slip/z) [1]
+    offset: float = 0.0  # offset of a_x over g [1]
+    scale: float = 0.0  # relative excess of a_x while braking [1]
     var_v: float = 0.0
     cov_v_slip: float = 0.0
     cov_v_offset: float = 0.0
@@ -80,10 +80,10 @@ class SpeedFilter:
 class Means:
     """Means over the blocks of a braking, in which older blocks count less."""
 
-    blocks: float = 0.0  # number in them; 0 before any braking
-    z: float = 0.0  # brake force that z demands, from its zero [1]
-    shift: float = 0.0  # eta over its zero, less 1
-    z_squared: float = 0.0
+    blocks: float = 0.0  # effective number of blocks; 0 before any braking
+    z: float = 0.0  # brake force y = `Sample.demand` less its zero [1]
+    eta_rise: float = 0.0  # eta over its zero, less 1 [1]
+    z_squared: float = 0.0  # square of y [1]
     eta_by_drive: float = 0.0  # as in `Sample`
 
 
@@ -91,18 +91,18 @@ class Means:
 class Check:
     """Evidence of the innovations: whether brakes, a_x, a motor or ABS are their cause."""
 
-    level: float = 0.0  # of the pads before a step [1]
-    error: float = 0.0  # error of a_x, if the pads did not change [1]
-    v: float = 0.0  # errors of the states of `SpeedFilter` by that error
+    level: float = 0.0  # level of the pads before it changed by a step [1]
+    error: float = 0.0  # brake force that this level does not explain [1]: an error of a_x?
+    v: float = 0.0  # errors that an error of a_x makes in the states of `SpeedFilter`
     slip: float = 0.0
     offset: float = 0.0
     scale: float = 0.0
     ratio: float = 0.0  # log likelihood ratio of an error of a_x over none
     drive: float = 0.0  # mean of the force of motors, which forgets [1]
-    chatter: float = 0.0  # mean of the squared innovations
+    chatter: float = 0.0  # mean of the squared innovations of the brake force, which forgets
     refused: float = 0.0  # number of implausible zeros in a row
     failing: float = 0.0  # `CHECKS` that fail now, one bit each
-    failed: float = 0.0  # `CHECKS` that failed last
+    failed: float = 0.0  # `CHECKS` that failed last, one bit each
     since: float = 0.0  # time since a check failed last [s]
 
 
@@ -110,17 +110,17 @@ class Check:
 class State:
     """All that the estimator remembers."""
 
-    demand: Zero = field(default_factory=Zero)
-    eta_less_1: Zero = field(default_factory=Zero)
-    lag: Zero = field(default_factory=Zero)  # of the brakes [s]
-    zero_slip: Zero = field(default_factory=Zero)  # without brakes, where v is logged
+    demand: Zero = field(default_factory=Zero)  # zero of `Sample.demand` [1]
+    eta_less_1: Zero = field(default_factory=Zero)  # zero of `Sample.eta_less_1` [1]
+    lag: Zero = field(default_factory=Zero)  # time constant of the brakes [s]
+    zero_slip: Zero = field(default_factory=Zero)  # slip without brakes, where v is logged [1]
     level: LevelFilter = field(default_factory=LevelFilter)
     speed: SpeedFilter = field(default_factory=SpeedFilter)
     check: Check = field(default_factory=Check)
     rim: float = 0.0  # speed of the rims of all wheels [m/s]
     anchored: bool = False  # whether the speed no longer moves with the zero of eta
     errs: bool = False  # whether a_x is wrong, by the innovations
-    waiting: deque[Sample[float]] = field(default_factory=deque)
+    waiting: deque[Sample[float]] = field(default_factory=deque)  # blocks that may show zeros
     nominal: float = 0.0  # brake force of nominal pads over the weight [1]
     acting: float = 0.0  # brake force of nominal pads behind the lag, over the weight [1]
     by_lag: float = 0.0  # derivative of `acting` by the lag [1/s]
@@ -129,12 +129,12 @@ class State:
     released: float = 0.0  # time since the brakes were released [s]
     means: Means = field(default_factory=Means)
     mean_z: float = 0.0  # mean of z in `means`, at least `Constants.least_mean_z` [1]
-    share: float = 0.0  # of the pressure that acts [1]
-    innovation: float = 0.0  # of the wheels where they count, in standard deviations
+    share: float = 0.0  # share of the pressure that acts, the rest lags [1]
+    innovation: float = 0.0  # innovation of the wheel speeds, in standard deviations
     checks: float = 0.0  # `CHECKS` that fail or just failed, one bit each
 
-    # The held ratio: ln of the ratio and its change since the ramp, lower bounds of both, upper
-    # bounds of both, and the variance by the errors of the reading.
-    held_ratio: Sequence[float] = (*(0.0,) * 2, *(-1e3,) * 2, *(1e3,) * 2, 0.0)
-    age: float = 0.0  # of the held ratio [s]
+    # The held ratio: ln of the ratio, and of its change since the ramp; the lower bounds of ratio
+    # and change; their upper bounds; the variance of the ratio by errors of eta and slip.
+    held_ratio: Sequence[float] = (0.0, 0.0, -1e3, -1e3, 1e3, 1e3, 0.0)
+    age: float = 0.0  # age of the held ratio [s]
     level_then: float = 0.0  # level at which the ratio was read [1]

@@ -4,9 +4,9 @@ r"""The estimator of the table: one step for each block of 50 ms, causal, with f
           --maps-----> level, and ln of the pads' ratio by eta and slip, with 95 % bounds
           --hold-----> the ratio with the narrowest bounds so far, whose variance grows with age
 
-`follow` runs the filters on one block; their equations are in `calib.estimation.equations`, but for
-zeros, v and the held ratio. `_answers` reads the maps for one block or for those of a whole log.
-`step` does both for one block, `run` for a whole log. (S1) to (S16) are on `calib/manual/step.md`.
+`follow` runs the filters on one block; most of their equations are in `calib.estimation.equations`.
+`_answers` reads the maps and holds the ratio, for one block or for all blocks of a log. `step` does
+both for one block, `run` for a whole log. (S1) to (S16) are on `calib/manual/step.md`.
 """
 
 import math
@@ -24,18 +24,18 @@ from calib.estimation.state import Sample, State
 
 
 class Answer(NamedTuple):
-    """Answer to each block: medians with their 95 % bounds, (3, k), or one number, (k,)."""
+    """Answer to each of k blocks: medians with their 95 % bounds (3, k), then numbers (k,)."""
 
-    level: Array  # ln of the pads' level, with bounds
-    ratio: Array  # ln of the ratio of the pads over that of the file's, with bounds
-    change: Array  # change of this ratio since the ramp, with bounds
-    noise: Array  # variance of the level by noise
-    accelerometer: Array  # variance of the level by a_x
-    zeros: Array  # variance of the ratio by errors of eta and slip, and by age
-    slip: Array  # ln(slip/z), and its standard deviation
-    slip_sigma: Array
-    zero_eta: Array  # eta and the slip of all wheels that are read while nothing brakes
-    zero_slip: Array
+    level: Array  # ln of the pads' level, (3, k)
+    ratio: Array  # ln of the ratio of the pads over that of the file's pads, (3, k)
+    change: Array  # change of `ratio` since the ramp, (3, k)
+    noise: Array  # variance of `level` by noise
+    accelerometer: Array  # variance of `level` by a_x
+    zeros: Array  # variance of `ratio` by errors of eta and slip, and by age
+    slip: Array  # ln(slip/z)
+    slip_sigma: Array  # standard deviation of `slip`
+    zero_eta: Array  # eta while nothing brakes [1]
+    zero_slip: Array  # slip of all wheels while nothing brakes [1]
     diagnosis: Array  # bits of `calib.estimation.reasons.CHECKS` that fail
     innovation: Array  # of the wheels, in standard deviations; NaN where they do not count
     reason: Array  # a `Reason`
@@ -68,7 +68,8 @@ def follow(c: Constants, s: State, x: Sample[float]) -> eq.BlockState[float]:
 def _learn_zeros(c: Constants, s: State, x: Sample[float], *, counts: bool) -> None:
     """Update the zeros by blocks that lie far enough before a bite, (S3).
 
-    A block of a rolling car waits for `Constants.before_bite`, and counts if no brake bit then.
+    A block of a rolling car waits for `Constants.before_bite`, and counts if no brake bites until
+    then.
     """
     eq.widen_zeros(c, s)
     s.zero_slip.variance = min(s.zero_slip.variance + c.walk_radius, c.var_zero)
@@ -86,22 +87,22 @@ def _learn_zeros(c: Constants, s: State, x: Sample[float], *, counts: bool) -> N
 
 
 def _update_speed(c: Constants, s: State, x: Sample[float]) -> None:
-    """Update the speed by v of a block, without the delay of v and the zero of the slip."""
-    v = s.rim + s.speed.v
-    variance = (c.noise_v**2 + 1e-8) / c.block + v**2 * s.zero_slip.variance
+    """Update the speed by v of a block, corrected for the delay of v and the zero of the slip."""
+    predicted = s.rim + s.speed.v
+    variance = (c.noise_v**2 + 1e-8) / c.block + predicted**2 * s.zero_slip.variance
     variance += (G * x.z * c.late_sigma) ** 2
-    in_time = x.v - G * x.z * c.late
-    eq.update(c, s, 1.0, 0.0, in_time * (1.0 - s.zero_slip.value) - v, variance, -s.check.v)
+    v = (x.v - G * x.z * c.late) * (1.0 - s.zero_slip.value)
+    eq.update(c, s, 1.0, 0.0, v - predicted, variance, -s.check.v)
 
 
 def step(c: Constants, s: State, x: Sample[float]) -> Answer:
     """Update the state by a block, and return the answer."""
-    state = eq.BlockState(*np.array([follow(c, s, x)]).T)
+    state = eq.BlockState(*np.array([follow(c, s, x)]).T)  # each field an array (1,)
     return _answers(c, s, Sample(*np.array([x]).T), state).take(0)
 
 
 def run(c: Constants, x: Sample[Array]) -> Answer:
-    """Return the answers of `step` to all blocks of a run (k,)."""
+    """Return the answers of `step` to all blocks of a log (k,)."""
     s = started(c)
     rows = zip(*(column.tolist() for column in x), strict=True)
     states = chain.from_iterable(follow(c, s, Sample(*row)) for row in rows)
@@ -113,20 +114,21 @@ def _answers(c: Constants, s: State, x: Sample[Array], state: eq.BlockState[Arra
     """Answer each block (k,) by its ``state`` after `follow`."""
     unbraked = state.blocks == 0.0  # since the last stop
     z = np.where(unbraked, c.usual_z, state.z)
-    shift = state.shift / z
+    shift = state.eta_rise / z
     log_slip, sigma = c.slip(z, shift, 0.0 * z)
     w = eq.slip_evidence(c, state, z, log_slip, sigma)
-    more = Z95 * np.sqrt(w.noise + w.accelerometer)  # half-width by filter and a_x
-    level = widened(c.level(z), more) + np.log(w.pads * w.scaled)
+    more = Z95 * np.sqrt(w.noise + w.accelerometer)  # half width by filter and a_x
+    level = widened(c.level(z), more) + np.log(w.pads * w.scaled)  # (S13)
 
-    of_map = np.clip(shift, *c.pads.axes[1][[0, -1]]) == shift
+    shifts = c.pads.axes[1]
+    of_map = (shift >= shifts[0]) & (shift <= shifts[-1])
     readable = of_map & ~unbraked & (z >= c.least_z)
-    error = eq.eta_error(c, state, z) / z, w.slip_sigma
-    now, zeros = _ratio(c, (z, shift, w.slip), error, x.log_odds, readable)
+    errors = eq.eta_error(c, state, z) / z, w.slip_sigma
+    read, zeros = _ratio(c, (z, shift, w.slip), errors, x.log_odds, readable)
     counts = state.counts > 0.0
-    best, zeros = _keep(c, s, now, zeros, w.pads, (unbraked, counts & (x.pressure > c.bite)))
+    ratios, zeros = _hold(c, s, read, zeros, w.pads, (unbraked, counts & (x.pressure > c.bite)))
     return Answer(
-        level, best[:, 0], best[:, 1], w.noise, w.accelerometer, zeros,
+        level, ratios[:, 0], ratios[:, 1], w.noise, w.accelerometer, zeros,
         log_slip + sigma * w.slip, sigma * w.slip_sigma, state.zero_eta, state.zero_slip,
         state.checks, np.where(counts, state.innovation, np.nan),
         eq.reason_of(c, x, state, np.exp(level[0]), of_map),
@@ -151,11 +153,11 @@ def _ratio(
 ) -> tuple[Array, Array]:
     """Return ln of ratio and change with bounds (3, 2, k), and the variance by reading (k,).
 
-    ``point`` is the place on the axes z, eta and slip of the map, (k,) each; ``errors`` are of eta
-    and slip. The more the map narrows the prior, the more the map counts, (S11). Where eta is not
-    ``readable``, the prior counts alone.
+    ``point`` is the place on the axes z, (eta - 1)/z and slip of the map, (k,) each; ``errors`` are
+    those of the last two. The more the map narrows the prior, the more the map counts, (S11). Where
+    eta is not ``readable``, the prior counts alone.
     """
-    # read the map at the point, and a step to either side on the axes of eta and slip
+    # read the map at the point, and a step to either side on the axes of (eta - 1)/z and slip
     steps = np.minimum(errors[0], c.pads.width(1, point[1])), np.minimum(errors[1], 1.0)
     places = np.repeat(np.stack(point)[:, None], 5, axis=1)  # (axis, place, block)
     places[1, 1:3] += np.stack([-steps[0], steps[0]])
@@ -163,12 +165,13 @@ def _ratio(
     read = c.pads(*places)  # (3, 2, place, block)
     prior, zeros = c.prior(point[0]), 0.0 * point[0]
     now = read[:, :, 0]
-    for low, high, spread in ((1, 2, errors[0] / steps[0]), (3, 4, errors[1] / steps[1])):
-        more = 0.5 * Z95 * spread * (read[0, :, high] - read[0, :, low])
+    # an error widens the bounds by the slope of the map along its axis
+    for low, high, steps_of_error in ((1, 2, errors[0] / steps[0]), (3, 4, errors[1] / steps[1])):
+        more = 0.5 * Z95 * steps_of_error * (read[0, :, high] - read[0, :, low])
         now, zeros = widened(now, more), zeros + (more[0] / Z95) ** 2
     narrowed = (now[2, 0] - now[1, 0]) / (prior[2, 0] - prior[1, 0])  # width over the prior's
-    each = zip(narrowed.tolist(), readable.tolist(), strict=True)
-    share = np.array([eq.share_of(c, width, 1.0) if reads else 0.0 for width, reads in each])
+    widths = zip(narrowed.tolist(), readable.tolist(), strict=True)
+    share = np.array([eq.share_of(c, width, 1.0) if reads else 0.0 for width, reads in widths])
     now, zeros = prior + share * (now - prior), share * zeros
     of_prior = 1.0 + share * (narrowed - 1.0)
     # The map has the ratio of the brake forces; less log_odds it is that of the pads. As far as its
@@ -177,16 +180,17 @@ def _ratio(
     return now, zeros
 
 
-def _keep(
+def _hold(
     c: Constants, s: State, now: Array, zeros: Array, level: Array, flags: tuple[Mask, Mask]
 ) -> tuple[Array, Array]:
     """Return the held ratio at each block, shaped as by `_ratio`: the narrowest so far, (S12).
 
-    ``now`` and ``zeros`` are the readings of `_ratio`. ``flags`` (k,) say whether a block is before
-    a stop and resets the held ratio, and whether the reading of the block counts.
+    ``now`` and ``zeros`` are the readings of `_ratio`, ``level`` is that of the pads (k,). The
+    ``flags`` (k,) say whether a block is before a stop and resets the held ratio, and whether the
+    reading of the block counts.
     """
     ratios, more_variance = [], []
-    rows = np.vstack([now.reshape(6, -1), zeros]).T.tolist()
+    rows = np.vstack([now.reshape(6, -1), zeros]).T.tolist()  # as `State.held_ratio`
     resets, counts = (x.tolist() for x in flags)
     for row, pads, reset, count in zip(rows, level.tolist(), resets, counts, strict=True):
         s.age += c.block
@@ -195,7 +199,7 @@ def _keep(
         else:
             grown = eq.held_variance(c, s, pads)
         if count and not reset:
-            middle, _, low, _, high, *_ = s.held_ratio  # of the ratio; the others are of its change
+            middle, _, low, _, high, *_ = s.held_ratio
             more = Z95 * math.sqrt(grown)
             width = math.hypot(middle - low, more) + math.hypot(high - middle, more)
             share = eq.share_of(c, row[4] - row[2], width)

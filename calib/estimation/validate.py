@@ -30,10 +30,10 @@ from calib.table.table import Table
 HOLDOUT, CALIBRATION = "hold-out", "calibration"  # roles of a log
 
 TRUTH, REFERENCE, NONE = "truth", "reference", "none"
-"""What proves a table on a log: true torques, v, or nothing."""
+"""Proofs of a table by a log: true torques, v, or nothing."""
 _PROOFS = {TRUTH: "ecu_normalised_error_f", REFERENCE: "ecu_reference_f"}
 """Proofs from the strongest, with a metric that only a log with this proof has."""
-_NAMED = 0.1  # share of the braked samples from which a reason for not being valid is named
+_LEAST_REFUSED = 0.1  # share of the braked samples above which `Validation.refused` has a reason
 
 Coded = Callable[[Estimate, Log], Readout]
 """Function that returns the answer of the C code to a log of an estimate."""
@@ -66,7 +66,7 @@ class Validation(Viewable):
 
     @property
     def proof(self) -> str:
-        """What proves the ECU on this log: `TRUTH`, `REFERENCE` or `NONE`."""
+        """The proof of the ECU by this log: `TRUTH`, `REFERENCE` or `NONE`."""
         proofs = (proof for proof, metric in _PROOFS.items() if self.figures[metric] is not None)
         return next(proofs, NONE) if self.role == HOLDOUT else NONE
 
@@ -79,23 +79,23 @@ class Validation(Viewable):
 
     @property
     def all_warnings(self) -> tuple[PlausibilityWarning, ...]:
-        """The warnings, and one for each metric past the range without warning."""
-        past = (j for j in self.judgements if j.verdict == WARNING)
-        return (*self.warnings, *(j.warning(self.log) for j in past))
+        """The warnings of log and estimate, and of metrics outside ``warn`` of their limits."""
+        warned = (j for j in self.judgements if j.verdict == WARNING)
+        return (*self.warnings, *(j.warning(self.log) for j in warned))
 
     @property
     def refused(self) -> dict[str, float]:
         """Share of the braked samples above 3 m/s that are not valid, by reason, the largest first.
 
-        Reasons for less than a tenth of them are left out.
+        A reason for a tenth of them or less is left out.
         """
         counted = counted_samples(self.estimate)
         shares = ((share(x, counted), why) for why, x in self.estimate.refused.items())
-        return {why: x for x, why in sorted(shares, reverse=True) if x > _NAMED}
+        return {why: x for x, why in sorted(shares, reverse=True) if x > _LEAST_REFUSED}
 
     @cached_property
     def baselines(self) -> dict[str, tuple[float, float]]:
-        """Rms errors of the pads by all methods, computed only where they are asked for."""
+        """Rms relative errors of front and rear pads by method, as `baseline_errors`."""
         return baseline_errors(self.estimate)
 
     @cached_property
@@ -105,7 +105,7 @@ class Validation(Viewable):
 
     @property
     def compared_with(self) -> str:
-        """What the baselines are compared with: `TRUTH`, `REFERENCE` or `NONE`."""
+        """The kind of values that baselines are compared with: `TRUTH`, `REFERENCE` or `NONE`."""
         if "estimate" in self.baselines:
             return TRUTH
         return REFERENCE if self.baselines else NONE
@@ -127,7 +127,7 @@ def validate(
     table : the table to validate, or a version of it in a store.
     logs : hold-outs. A log on which the table was fitted is marked, and validates nothing.
     vehicle : the same car with other nominal pads than the table's.
-    limits : limits of the metrics.
+    limits : ranges outside of which a metric fails or warns.
     mass : mass of the car in these logs [kg], if not that of the table's vehicle.
     exported : the table as an ECU reads it, see `calib.table.exported`; else its full maps.
 

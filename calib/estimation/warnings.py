@@ -3,11 +3,11 @@
 `warnings_of` collects the warnings of all rules for a validation. Three groups are made here:
 
 * Exchanged axles show 1/eta. The likelihoods of eta and of 1/eta over z are compared, each a mean
-  over the scenarios of `calib.fitting.maps`.
+  over the scenarios of `calib.fitting.maps`: drawn stops with the table's car.
 * A front wheel exchanged with the rear wheel of the other side leaves eta flat and the sides apart,
   see `calib.run.exchanged_wheels`. Exchanged wheels of one side are refused before an estimate.
-* Mistakes that explain a stop better than other pads do, see `calib.fitting.mistakes`. They are
-  compared only where something hints at one, since that takes as long as the rest of a stop.
+* Mistakes of the log or the vehicle file that explain a stop better than other pads do, see
+  `calib.fitting.mistakes`. They are compared only after a hint, since that doubles the time.
 """
 
 import math
@@ -45,10 +45,10 @@ from calib.table.table import Table
 _BINS = np.array([0.05, 0.08, 0.12, 0.17, 0.24, 0.33, 0.45, 0.6, 1.0])
 """Decelerations [1] between which blocks are averaged."""
 _Z = np.geomspace(_BINS[0], _BINS[-1], 25)
-"""Decelerations [1] between which scenarios are linear; close together where a tyre is not."""
+"""Decelerations [1] between which eta of a scenario is interpolated."""
 _COUNT = 4096  # number of scenarios
-_FORM = 0.03  # relative error of eta - 1 by tyre curves, and by loads that follow late [1]
-_FINEST = 5e-5  # least error of a mean of eta - 1 [1]
+_MODEL_ERROR = 0.03  # relative error of eta - 1 by tyre curves, and by loads that follow late [1]
+_LEAST_ERROR = 5e-5  # least error of a mean of eta - 1 [1]
 _HINTS = {
     *("level_changed", "pads_changed_apart", "unexplained_braking_force", "force_step"),
     *("braking_force_missing", "unexplained_drag", "a_x_by_wheels", "v_of_wheels", "v_scale"),
@@ -71,27 +71,27 @@ def warnings_of(e: Estimate, run: Run | None = None) -> tuple[PlausibilityWarnin
     resistance = known_resistance(e.table)
     accelerometer = e.run.accelerometer(resistance, e.noise)
     evidence = Evidence(log_run, accelerometer, brake_response(e.read, e.forces))
-    of_table = [Measured("axles_exchanged", axles_exchanged(e.table, e))]
+    by_table = [Measured("axles_exchanged", axles_exchanged(e.table, e))]
     wheels = log_run.wheels
     if wheels is not None:
         expected = float(np.interp(wheels.z, e.table.paper.z, e.table.paper.eta)) - 1.0
         crossed = crossed_diagonal(wheels, expected)
         if crossed:
-            of_table.append(Measured("wheels_crossed", crossed.part, words={"found": crossed}))
+            by_table.append(Measured("wheels_crossed", crossed.part, words={"found": crossed}))
     if e.valid.any():
-        i = int(np.flatnonzero(e.valid)[-1])
-        middle, low, high = e.best.step.change[:, i].tolist()
-        apart = middle, (high - low) / (2.0 * Z95)
-        of_table += change_figures(_level_change(e, resistance, i), apart)
+        last = int(np.flatnonzero(e.valid)[-1])
+        ratio_change, low, high = e.best.step.change[:, last].tolist()
+        apart = ratio_change, (high - low) / (2.0 * Z95)
+        by_table += change_figures(_level_change(e, resistance, last), apart)
     kinds = VOID, WARN
     warnings = (
         *warnings_on(evidence, VALIDATE, kinds),
-        *rule_warnings(log_run.log.name, of_table, VALIDATE, kinds),
+        *rule_warnings(log_run.log.name, by_table, VALIDATE, kinds),
     )
     may_be_mistake = (
         any(warning.code in _HINTS for warning in warnings)
         or share(e.valid, counted_samples(e)) <= 0.5
-        or _is_beside_pressure(evidence)
+        or _has_force_without_pressure(evidence)
         or _is_late(e)
     )
     slipping = log_run.slipping
@@ -101,8 +101,8 @@ def warnings_of(e: Estimate, run: Run | None = None) -> tuple[PlausibilityWarnin
     return (*unexplained(by_mistake, warnings), *warnings)
 
 
-def _is_beside_pressure(evidence: Evidence) -> bool:
-    """Return whether a part of the brake force, too small for a warning, ignores the pressure."""
+def _has_force_without_pressure(evidence: Evidence) -> bool:
+    """Return whether a part of the brake force, maybe too small for a warning, has no pressure."""
     response = evidence.response
     if response is None:
         return False
@@ -110,27 +110,30 @@ def _is_beside_pressure(evidence: Evidence) -> bool:
 
 
 def _is_late(e: Estimate) -> bool:
-    """Return whether eta has a part in proportion to z/v, as late wheel speeds give."""
+    """Return whether eta has a part in proportion to z/v, as late wheel speeds of an axle give.
+
+    The coefficient of g z/v in a least squares fit of eta is the delay [s].
+    """
     b = e.blocks
     use = (np.maximum(b.p_f, b.p_r) > BITE) & (b.speed > MOVING)
     if np.count_nonzero(use) < _FEWEST or not b.lead_in.any():
         return False
     z = b.z[use]
     sigma = b.eta[use] * np.sqrt(2.0 / b.length) * e.noise.omega / np.maximum(b.omega_f[use], 1.0)
-    columns = np.stack([z, z**2, G * z / b.speed[use], np.ones_like(z)], axis=1) / sigma[:, None]
-    solution = np.linalg.lstsq(columns, b.eta[use] / sigma)[0]
-    sigma_delay = math.sqrt(np.linalg.pinv(columns.T @ columns)[2, 2])
-    return abs(float(solution[2])) > max(_LATE, _LATE_SIGMA * sigma_delay)
+    terms = np.stack([z, z**2, G * z / b.speed[use], np.ones_like(z)], axis=1) / sigma[:, None]
+    delay = float(np.linalg.lstsq(terms, b.eta[use] / sigma)[0][2])
+    sigma_delay = math.sqrt(np.linalg.pinv(terms.T @ terms)[2, 2])
+    return abs(delay) > max(_LATE, _LATE_SIGMA * sigma_delay)
 
 
 def _mistakes(e: Estimate, resistance: Resistance, evidence: Evidence) -> Iterator[Measured]:
     """Yield mistakes that explain a stop better than other pads do, most probable first."""
-    cal, car = e.table.calibration, e.run.car
-    car = car.with_pads(cal.pad_friction_f.value, cal.pad_friction_r.value)
+    ramp_pads = e.table.calibration
+    car = e.run.car.with_pads(ramp_pads.pad_friction_f.value, ramp_pads.pad_friction_r.value)
     car = replace(car, motor_odds=max(car.motor_odds, LEAST_ODDS))
-    ramp = prepare(e.run, resistance.effects, evidence.accelerometer)
+    stop = prepare(e.run, resistance.effects, evidence.accelerometer)
     try:
-        yield from measured(causes_of(car, [ramp], other_road=True), beside_pads=False)
+        yield from measured(causes_of(car, [stop], other_road=True), beside_pads=False)
     except ValueError:  # nothing rolls before the stop, or nothing of it is steady
         return
 
@@ -141,12 +144,12 @@ def _level_change(e: Estimate, resistance: Resistance, i: int) -> tuple[float, f
     The sigma excludes the error of the mass, so that another load shows.
     """
     best = e.best
-    slowing = float(resistance.sigma_z(e.car, e.read.speed[i : i + 1])[0])
+    sigma_z = float(resistance.sigma_z(e.car, e.read.speed[i : i + 1])[0])
     variance = float(best.step.noise[i] + best.step.accelerometer[i])
-    variance += (slowing / max(float(e.read.z[i]), 0.02)) ** 2
+    variance += (sigma_z / max(float(e.read.z[i]), 0.02)) ** 2
     variance += sum(x for part, x in e.table.budget.level.items() if part != "mass")
-    ramp = pad_levels(e.table.vehicle, e.table.calibration).level
-    return math.log(best.level.value[i]) - ramp, math.sqrt(variance)
+    log_level_of_ramp = pad_levels(e.table.vehicle, e.table.calibration).level
+    return math.log(best.level.value[i]) - log_level_of_ramp, math.sqrt(variance)
 
 
 def axles_exchanged(table: Table, e: Estimate) -> float:
@@ -154,18 +157,20 @@ def axles_exchanged(table: Table, e: Estimate) -> float:
 
     It is 0 where the car never brakes, or brakes with the rear axle alone.
     """
-    z, shift, error = _curve(e)
+    z, eta_rise, error = _curve(e)
     if not z.size or e.run.alone == "r":
         return 0.0
-    # scenarios (n, k) at z, interpolated between `_Z`
-    predicted = _eta_rises(table) @ np.stack([np.interp(z, _Z, hat) for hat in np.eye(_Z.size)])
+    # weights (25, k) of linear interpolation from `_Z` to z; eta - 1 of the scenarios (4096, k)
+    weights = np.stack([np.interp(z, _Z, unit) for unit in np.eye(_Z.size)])
+    predicted = _eta_rises(table) @ weights
     zero = _ZEROED if e.read.lead_in.any() else _NOT_ZEROED
-    whiten = np.linalg.cholesky(np.linalg.inv(np.diag(error**2) + zero**2))
-    as_given, other = (
+    covariance = np.diag(error**2) + zero**2  # the error of the zero is common to all
+    whiten = np.linalg.cholesky(np.linalg.inv(covariance))
+    as_given, exchanged = (
         np.logaddexp.reduce(-0.5 * np.sum(((x - predicted) @ whiten) ** 2, axis=1))
-        for x in (shift, 1.0 / (1.0 + shift) - 1.0)
+        for x in (eta_rise, 1.0 / (1.0 + eta_rise) - 1.0)
     )
-    return float(other - as_given)
+    return float(exchanged - as_given)
 
 
 @lru_cache(maxsize=2)  # a batch has one table
@@ -182,12 +187,12 @@ def _curve(e: Estimate) -> tuple[Array, Array, Array]:
     Blocks with locked wheels or faults are left out, since no scenario has them.
     """
     b, demanded = e.blocks, e.best.inputs.demand
-    shift = (1.0 + e.best.inputs.eta_less_1) / e.zeros[0] - 1.0
+    eta_rise = (1.0 + e.best.inputs.eta_less_1) / e.zeros[0] - 1.0
     variance = 2.0 * (e.noise.omega / np.maximum(b.omega_f, 1.0)) ** 2 / b.length
     rolls = ~np.isin(e.best.inputs.disturbed, (Reason.LOCKED, Reason.FAULT))
     use = (np.maximum(b.p_f, b.p_r) > BITE) & (b.speed > MOVING) & rolls
     use &= (demanded > _BINS[0]) & (demanded <= _BINS[-1])
-    between = np.digitize(demanded[use], _BINS, right=True)
-    _, place, count = np.unique(between, return_inverse=True, return_counts=True)
-    z, mean, spread = (np.bincount(place, x[use]) / count for x in (demanded, shift, variance))
-    return z, mean, np.sqrt(spread / count + (_FORM * mean) ** 2 + _FINEST**2)
+    bins = np.digitize(demanded[use], _BINS, right=True)
+    _, place, count = np.unique(bins, return_inverse=True, return_counts=True)
+    z, mean, noise = (np.bincount(place, x[use]) / count for x in (demanded, eta_rise, variance))
+    return z, mean, np.sqrt(noise / count + (_MODEL_ERROR * mean) ** 2 + _LEAST_ERROR**2)

@@ -250,8 +250,9 @@ def stopped() -> list[str]:
     n = 1.0 + share * (math.exp(ratio[0]) - 1.0)
     torque = (bounded([x[i] for x in getattr(ecu, f"torque_{axle}")], ".1f") for axle in "fr")
     pads = (bounded([x[i] for x in getattr(ecu, f"pads_{axle}")]) for axle in "fr")
+    z = block_state.z
     return [
-        f"means of y and xi/y         {block_state.z:.3f}, {block_state.shift / block_state.z:.4f}",
+        f"means of y and xi/y         {z:.3f}, {block_state.eta_rise / z:.4f}",
         f"level, (S13)                {bounded(level)}",
         f"ratio, (S12)                {bounded(ratio)}",
         f"n, (S14)                    1 + {share:.4f} (exp({ratio[0]:.3f}) - 1) = {n:.4f}",

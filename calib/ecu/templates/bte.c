@@ -275,7 +275,7 @@ static void take_block(bte_state *state, const bte_block *x) {
     step_filters(c, &state->filters, x, counts);
     const bte_filters *s = &state->filters;
     const bool is_new = s->means.blocks == R(0.0);
-    const bte_real z = is_new ? c->usual_z : s->mean_z, eta_by_z = s->means.shift / z;
+    const bte_real z = is_new ? c->usual_z : s->mean_z, eta_by_z = s->means.eta_rise / z;
     bte_real point[BTE_MAP_AXES] = {z, eta_by_z, R(0.0)}, by_map[BTE_COLUMNS];
     look_up(&car->slip, point, 2U, by_map);
     bte_real level[ENDS], ratio[ENDS], prior[ENDS];

@@ -25,7 +25,7 @@ from calib.line.fleet.workers import Executor, Rows
 from calib.logs.read import FORMATS
 
 _CHUNK = {Command.FIT: 2, Command.VALIDATE: 8, Command.CHECK: 8}
-"""Largest number of logs in a chunk: its transfer is negligible against 10 ms for each log."""
+"""Largest number of logs in a chunk: so many that the time of the transfer is negligible."""
 
 _CHUNKS_PER_WORKER = 3  # submitted chunks for each worker: one in progress, two waiting
 
@@ -41,7 +41,7 @@ def run_batch(
 
     An earlier run with the same settings is continued. ``report`` is called after each chunk.
     Raises LogError when an argument names no log, BatchError when ``out`` holds another batch or
-    the workers are not of this version, OSError when ``out`` cannot be written.
+    the workers are of another version, OSError when ``out`` cannot be written.
     """
     logs = {printable(path): path for path in find_logs(arguments, out)}
     settings = job.settings()
@@ -53,7 +53,7 @@ def run_batch(
 
 
 class BatchRun:
-    """A run over ``total`` logs: it submits them to workers and writes rows into the journal.
+    """A run over ``total`` logs: it submits the logs to workers and writes rows into the journal.
 
     ``counts`` has the number of rows by status, ``computed`` the number of rows that this run made.
     ``report`` is called with the run after each chunk, ``on_row`` with each new row.
@@ -93,16 +93,14 @@ class BatchRun:
         """Compute all ``logs``, each as (name of its row, path)."""
         # of few logs the chunks are small, so that all workers get some
         size = min(self.largest_chunk, 1 + self.total // (8 * self.executor.workers))
-        items = (
-            WorkItem(name, os.path.abspath(path), self.journal.digest(name)) for name, path in logs
-        )
+        items = (WorkItem(x, os.path.abspath(path), self.journal.digest(x)) for x, path in logs)
         while chunk := tuple(islice(items, size)):
             self._drain(_CHUNKS_PER_WORKER * self.executor.workers - 1)
             self.pending[self._submit(chunk)] = chunk
         self._drain(0)
 
     def _submit(self, chunk: tuple[WorkItem, ...]) -> Future[Rows]:
-        """Submit a chunk; if the pool just broke, return a failed future."""
+        """Submit a chunk; return a failed future if the pool just broke."""
         try:
             return self.executor.submit(self.packed, chunk)
         except BrokenExecutor as error:
@@ -139,8 +137,8 @@ class BatchRun:
         if error is None:
             return future.result()
         self.executor.renew()
-        death = f"the worker died on it twice ({type(error).__name__})"
-        text = f"{item.name}: {death}; is there enough memory? the next run tries it again"
+        problem = f"the worker died on it twice ({type(error).__name__})"
+        text = f"{item.name}: {problem}; is there enough memory? the next run tries it again"
         return [Row(item.name, None, Status.ERROR, text, lost=True)]
 
     def _store(self, items: tuple[WorkItem, ...], rows: Rows) -> None:
@@ -158,7 +156,7 @@ class BatchRun:
 
 
 def _worker_error(future: Future[Rows]) -> BaseException | None:
-    """Return why the worker died; None if it lives. Raises an error that a user can correct."""
+    """Return why the worker died; None if it lives. Raises an error of the user's instead."""
     error = future.exception()
     if isinstance(error, BrakeCalError):
         raise error
@@ -174,9 +172,8 @@ def find_logs(arguments: Iterable[str], out: Path) -> Iterator[str]:
     """
     results = os.path.realpath(out / NAME)
     for argument in arguments:
-        # the name of a log gets a row even if the file is missing
-        is_pattern = glob.has_magic(argument) or not _is_log(argument)
         matches = [argument]
+        is_pattern = glob.has_magic(argument) or not _is_log(argument)
         if is_pattern and not os.path.exists(argument):
             matches = sorted(glob.iglob(argument, recursive=True))
         paths: list[str] = []

@@ -3,8 +3,8 @@
     settings   name, value          what the rows depend on besides the logs
     rows       log, digest, status, error, cells (JSON), lost
 
-Rows that finish together are one transaction, which is on the disk when `add` returns: a kill -9 or
-a power failure loses none of them. The database is locked, so that a second run is refused.
+Rows of one `add` are one transaction, which is on the disk when `add` returns: a kill -9 or a power
+failure loses none of them. The database is locked, so that a second run is refused.
 """
 
 import errno
@@ -32,7 +32,7 @@ CREATE TABLE rows (log TEXT PRIMARY KEY, digest TEXT, status TEXT NOT NULL,
 
 
 class BatchJournal:
-    """The journal in ``folder``, open for one run at a time. A missing journal is made.
+    """The journal in ``folder``, open for one run at a time; it is made if there is none.
 
     The class and its methods raise BatchError for other settings, another version, damage, or use
     by another run, and OSError when the disk is full or fails.
@@ -49,16 +49,16 @@ class BatchJournal:
                 self._db.executemany("INSERT INTO settings VALUES (?, ?)", wanted.items())
         elif stored != wanted:
             self.close()
-            keys = sorted({*stored, *wanted})
-            differing = ", ".join(key for key in keys if stored.get(key) != wanted.get(key))
-            raise BatchError(f"holds results of other settings: {differing}", where=folder, do=_DO)
+            keys = [k for k in sorted({*stored, *wanted}) if stored.get(k) != wanted.get(k)]
+            problem = f"holds results of other settings: {', '.join(keys)}"
+            raise BatchError(problem, where=folder, do=_DO)
 
     def add(self, rows: Iterable[Row]) -> None:
         """Store rows, all or none. A row replaces an earlier row of its log."""
-        values = []
-        for row in rows:
-            cells = json.dumps(row.cells, allow_nan=False)
-            values.append((row.log, row.digest, row.status, row.error, cells, row.lost))
+        values = [
+            (x.log, x.digest, x.status, x.error, json.dumps(x.cells, allow_nan=False), x.lost)
+            for x in rows
+        ]
         with _errors_of_sqlite(self._path), self._db:
             self._db.executemany("INSERT OR REPLACE INTO rows VALUES (?, ?, ?, ?, ?, ?)", values)
 

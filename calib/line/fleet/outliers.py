@@ -1,4 +1,4 @@
-"""Find the outliers of a fleet; the share of false ones is limited over the whole fleet.
+"""Find the outliers of a fleet; the share of false outliers is limited over the whole fleet.
 
     distance       |x - median| over the upper quartile of |x - median| on the same side
     p of a metric  two-sided, of a mixture of normal and Student distributions
@@ -20,7 +20,7 @@ import numpy as np
 from calib.base.arrays import Array, Index, Mask
 
 _FALSE_SHARE = 0.03
-"""Expected share of false ones among the outliers, and of normal fleets that have an outlier."""
+"""Expected share of false ones among the outliers; so many fleets of good cars have an outlier."""
 _REASON_P = 0.01
 """p times the number of metrics, up to which a further metric of an outlier is a reason, too."""
 FEWEST = 8  # fewest cars for a spread that can name outliers
@@ -41,7 +41,7 @@ class OutlierTest:
     """Test of m metrics of n cars; p is NaN where a metric is not known or not judged."""
 
     p: Array  # two-sided, (m, n)
-    reasons: Mask  # metrics for which a car is an outlier, (m, n)
+    reasons: Mask  # whether a car is an outlier by a metric, (m, n)
     p_of_car: Array  # over all metrics of a car, (n,)
 
 
@@ -53,7 +53,7 @@ def find_outliers(values: Array, least: Sequence[float]) -> OutlierTest:
     from scipy.special import stdtr
     from scipy.stats import false_discovery_control
 
-    sides: list[tuple[int, Index, Array]] = []
+    sides: list[tuple[int, Index, Array]] = []  # metric, cars and their distances
     for metric, (row, step) in enumerate(zip(values, least, strict=True)):
         sides += [(metric, cars, distance) for cars, distance in _sides(row, step)]
     p = np.full(values.shape, np.nan)

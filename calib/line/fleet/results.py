@@ -23,9 +23,9 @@ _EXPECTED = "results.parquet of `brake-cal batch`"
 
 
 def write_results(rows: Iterable[Row], settings: dict[str, str], folder: Path) -> None:
-    """Write the rows in their order. An earlier file is replaced when the new one is complete.
+    """Write the rows in their order; an earlier file is replaced when the new one is complete.
 
-    The metadata of a column holds its unit and meaning, the metadata of the file the settings.
+    The metadata of a column holds unit and meaning of the column, that of the file the settings.
     Equal rows give equal bytes. Raises OSError if the folder cannot be written.
     """
     import pyarrow as pa
@@ -74,9 +74,9 @@ def open_fleet(path: Path) -> FleetFile:
     for name in ("log", "status", "error"):
         if name not in table.column_names:
             raise InputError(f"no column {name!r}", where=path, expected=_EXPECTED)
-    statuses = map(str, table.column("status").to_pylist())
-    unknown = sorted(status for status in statuses if status not in [*Status])
-    if unknown or not table.num_rows:
+    statuses = {str(status) for status in table.column("status").to_pylist()}
+    unknown = sorted(statuses - {*Status})
+    if unknown or not statuses:
         problem = f"status {unknown[0]!r}" if unknown else "no rows"
         raise InputError(problem, where=path, expected=f"rows with {', '.join(Status)}")
     logs = [str(log) for log in table.column("log").to_pylist()]
@@ -90,22 +90,12 @@ def open_fleet(path: Path) -> FleetFile:
 
 
 def _natural(text: str) -> list[str | int]:
-    """Return a key that sorts texts by the numbers in them: text, number, text, ...
-
-    >>> sorted(["car10", "car9", "car1"], key=_natural)
-    ['car1', 'car9', 'car10']
-    """
+    """Return a key that sorts texts by the numbers in them: "car9" before "car10"."""
     return [int(part) if part.isdecimal() else part for part in re.split(r"(\d+)", text)]
 
 
 def _column_of(field: Any) -> Column:
-    """Return the column of a field of the Arrow schema; a field of an unknown type is text."""
-    import pyarrow.types as types
-
+    """Return the column of a field of the Arrow schema; a field of another type is text."""
+    kinds = {"double": float, "int64": float, "bool": bool}
     unit = (field.metadata or {}).get(b"unit", b"1").decode()
-    kind: type = str
-    if types.is_floating(field.type) or types.is_integer(field.type):
-        kind = float
-    elif types.is_boolean(field.type):
-        kind = bool
-    return Column(field.name, unit, kind)
+    return Column(field.name, unit, kinds.get(str(field.type), str))

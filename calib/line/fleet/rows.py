@@ -1,6 +1,6 @@
 """Rows and columns of `results.parquet`, the results of a command for many logs.
 
-Every row begins with the columns `HEAD`; the columns of the command follow (`columns_of`).
+Every row begins with the columns `HEAD`; those of the command follow, see `columns_of`.
 """
 
 from dataclasses import dataclass
@@ -40,7 +40,7 @@ class Column:
 class Row:
     """Result of a command for one log."""
 
-    log: str
+    log: str  # name
     digest: str | None  # SHA-256 of the log
     status: Status
     error: str | None
@@ -69,7 +69,7 @@ def _columns(*names: str, unit: str = "1", kind: type = float) -> tuple[Column, 
     return tuple(Column(name, unit, kind) for name in names)
 
 
-HEAD = _columns("log", "digest", "status", "error", kind=str)  # the first columns of every command
+HEAD = _columns("log", "digest", "status", "error", kind=str)
 _WARNED = _columns("warned", kind=str)  # codes of the warnings of a log; null without a warning
 
 QUALITY = (

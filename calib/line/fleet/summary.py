@@ -89,7 +89,7 @@ class Summary:
     status: dict[Status, int]  # number of logs
     failed: dict[str, str]  # limits not held by each log that fails; "" if they are not known
     metrics: tuple[MetricSummary, ...]
-    outliers: dict[str, list[Outlier]]  # by log; logs, and metrics of a log, with rising p
+    outliers: dict[str, list[Outlier]]  # by log: logs, and metrics of a log, with rising p
     failures: tuple[_Failure, ...]
     copies: list[list[str]]  # groups of logs that are the same recording
 
@@ -108,8 +108,8 @@ class Summary:
             why = "too few to judge outliers" if has_values else "none has a metric"
             return f"{counted(len(self.logs), 'log')}: {why}{with_error}."
         n = len(self.outliers)
-        subject = counted(n, "log") if n else "No log"
-        return f"{subject} {'stand' if n > 1 else 'stands'} apart{with_error}."
+        verb = "stand" if n > 1 else "stands"
+        return f"{counted(n, 'log') if n else 'No log'} {verb} apart{with_error}."
 
 
 def summarise(fleet: FleetFile) -> Summary:
@@ -118,6 +118,10 @@ def summarise(fleet: FleetFile) -> Summary:
     # (metrics, logs); the shape is also right without a metric
     values = np.array([fleet.numbers(m.name) for m in numbers]).reshape(-1, len(fleet.logs))
     test = find_outliers(values, [metric_of(metric.name).step for metric in numbers])
+    metrics = []
+    for column, x, p, outlying in zip(numbers, values, test.p, test.reasons, strict=True):
+        rows, judged = np.flatnonzero(np.isfinite(x)), bool(np.isfinite(p).any())
+        metrics.append(MetricSummary(column, rows, x[rows], outlying[rows], judged))
     statuses = fleet.values("status")
     counts = Counter(statuses)
     with_limits = itertools.zip_longest(fleet.logs, statuses, fleet.values("not_held"))
@@ -125,21 +129,11 @@ def summarise(fleet: FleetFile) -> Summary:
         logs=fleet.logs,
         status={status: counts[status] for status in Status if counts[status]},
         failed={log: limits or "" for log, s, limits in with_limits if s == Status.FAILED},
-        metrics=_metrics(numbers, values, test),
+        metrics=tuple(metrics),
         outliers=_outliers(fleet.logs, numbers, values, test),
         failures=failures_of(fleet.logs, fleet.values("error")),
         copies=_copies(fleet),
     )
-
-
-def _metrics(columns: list[Column], values: Array, test: OutlierTest) -> tuple[MetricSummary, ...]:
-    """Return the summary of each of the m metrics with ``values`` (m, n)."""
-    metrics = []
-    for column, x, p, outlying in zip(columns, values, test.p, test.reasons, strict=True):
-        rows = np.flatnonzero(np.isfinite(x))
-        judged = bool(np.isfinite(p).any())
-        metrics.append(MetricSummary(column, rows, x[rows], outlying[rows], judged))
-    return tuple(metrics)
 
 
 def _outliers(
@@ -173,8 +167,8 @@ def failures_of(logs: tuple[str, ...], errors: Sequence[object]) -> tuple[_Failu
         if isinstance(error, str):
             kinds.setdefault(kind_of(error, log), []).append((error, log))
     failures = []
-    for kind in sorted(kinds, key=lambda kind: (-len(kinds[kind]), kind)):
-        messages, names = zip(*kinds[kind], strict=True)
+    for _, errors_of_kind in sorted(kinds.items(), key=lambda item: (-len(item[1]), item[0])):
+        messages, names = zip(*errors_of_kind, strict=True)
         failures.append(_Failure(messages[0], len(messages), names[:_EXAMPLES]))
     return tuple(failures)
 

@@ -3,7 +3,7 @@
 scan ──> complete files ──> workers ──> journal, on the disk ──> on_row
 
 The folder is scanned again when all complete files are processed, every second if there are none.
-results.parquet is written after a scan: when no complete file is left, or after 30 s.
+results.parquet is written when no complete file is left, and every 30 s while logs arrive.
 """
 
 import math
@@ -35,19 +35,18 @@ class _CompleteFiles:
 
     def __init__(self, settle: float):
         self.settle = settle
+        # `_stamp` of each file, and the time at which the file is ready [s]
         self._files: dict[str, tuple[tuple[int, ...], float]] = {}
-        """Stamp of each file, see `_stamp`, and the time at which the file is ready [s]."""
 
     def ready(self, paths: Iterable[str], now: float) -> list[str]:
         """Return those of ``paths`` that are complete at the time ``now`` [s]."""
         earlier, self._files = self._files, {}
         for path in paths:
             stamp = _stamp(path)
-            if stamp is None:
-                continue
-            self._files[path] = stamp, now + self.settle
             if path in earlier and earlier[path][0] == stamp:
                 self._files[path] = earlier[path]
+            elif stamp is not None:
+                self._files[path] = stamp, now + self.settle
         return [path for path, (_, ready_at) in self._files.items() if now >= ready_at]
 
     def postpone(self, path: str, retry_at: float = math.inf) -> None:
@@ -80,10 +79,10 @@ def watch(
     """Run the job on every log that appears in ``folder`` or below, until ``stop`` is set.
 
     A log is complete after ``settle`` [s] without change. It is repeated only if its digest
-    changes, and its row stays if the log is deleted. ``out`` has journal and results.parquet as in
-    `run_batch`; names of logs are paths within ``folder``. ``on_row`` is called with each row when
-    it is on the disk, ``on_error`` once with each folder that cannot be read. ``clock`` gives the
-    time [s]. Returns the number of rows by status. Raises as `run_batch`.
+    changes, and its row stays if the log is deleted. Names of logs are paths within ``folder``.
+    ``on_row`` is called with each row when the row is on the disk, ``on_error`` once with each
+    folder that cannot be read. Returns the number of rows by status. ``out`` and errors are as in
+    `run_batch`.
     """
     settings = {**job.settings(), "folder": printable(os.path.realpath(folder))}
     files, reported = _CompleteFiles(settle), set[str]()

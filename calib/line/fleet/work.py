@@ -1,4 +1,4 @@
-"""Work on a log: read the log, run the command, return a row. An error becomes a row, too."""
+"""Process a log: read the log, run the command, return a row. An error becomes a row, too."""
 
 import json
 import pickle
@@ -12,7 +12,6 @@ from calib.base.digest import sha256
 from calib.base.errors import BatchError, BrakeCalError, ChannelMapError, printable
 from calib.base.names import PROGRAM, VERSION
 from calib.base.plain import finite_or_none
-from calib.base.warning import PlausibilityWarning
 from calib.car.vehicle import Vehicle
 from calib.estimation.limits import FAILED, Limit
 from calib.line.fleet.rows import QUALITY, Cell, Command, Row, Status
@@ -22,16 +21,16 @@ from calib.logs.read import REQUIRED, log_bytes, read_log
 from calib.table.table import Table
 
 Outcome = tuple[Status, tuple[Cell, ...]]
-"""What a command returns of one log: the status and the cells of the row."""
+"""Result of a command for one log: the status and the cells of the row."""
 
 
 @dataclass(frozen=True)
 class Job:
-    """A command and its inputs but for the log."""
+    """A command and all its inputs except the log."""
 
     command: Command
-    table: Table | None = None  # `validate` needs it
-    vehicle: Vehicle | None = None  # `fit` needs it
+    table: Table | None = None  # needed by `validate`
+    vehicle: Vehicle | None = None  # needed by `fit`
     limits: tuple[Limit, ...] = ()
     channel_map: ChannelMap | None = None
     version: str = VERSION  # of the program that makes the job
@@ -67,7 +66,7 @@ def _digest(value: object) -> str:
 class WorkItem:
     """A log to process."""
 
-    name: str
+    name: str  # of its row
     path: str
     digest: str | None = None  # of an earlier row of the log
 
@@ -119,8 +118,8 @@ def _validate(job: Job, log: Log) -> Outcome:
     result = validate_one(job.table, log, job.vehicle, job.limits)
     failed = (judgement.figure for judgement in result.judgements if judgement.verdict == FAILED)
     metrics = (finite_or_none(result.figures[name]) for name in METRICS)
-    cells = (*metrics, _joined(failed), _codes(result.warnings))
-    return Status.PASSED if result.passed else Status.FAILED, cells
+    cells = (*metrics, _joined(failed), _joined(w.code for w in result.warnings))
+    return (Status.PASSED if result.passed else Status.FAILED), cells
 
 
 def _fit(job: Job, log: Log) -> Outcome:
@@ -132,7 +131,8 @@ def _fit(job: Job, log: Log) -> Outcome:
     pads = (calibration.pad_friction_f, calibration.pad_friction_r, calibration.pad_scale)
     values, sigmas = [pad.value for pad in pads], [pad.sigma for pad in pads]
     metrics = [*values, *sigmas, *(table.quality[name] for name in QUALITY)]
-    return Status.DONE, (*map(finite_or_none, metrics), _codes(table.warnings), table.digest)
+    codes = _joined(w.code for w in table.warnings)
+    return Status.DONE, (*map(finite_or_none, metrics), codes, table.digest)
 
 
 def _check(job: Job, log: Log) -> Outcome:
@@ -142,17 +142,13 @@ def _check(job: Job, log: Log) -> Outcome:
     findings = check(log)
     usable = (verdict.usable for verdict in findings.verdicts)
     metrics = map(finite_or_none, figures(findings.run).values())
-    cells = (*usable, *metrics, _codes(findings.warnings))
-    return Status.PASSED if findings.usable else Status.FAILED, cells
-
-
-def _codes(warnings: Iterable[PlausibilityWarning]) -> str | None:
-    """Return the different codes in one text; None without a warning."""
-    return _joined(dict.fromkeys(warning.code for warning in warnings))
+    cells = (*usable, *metrics, _joined(w.code for w in findings.warnings))
+    return (Status.PASSED if findings.usable else Status.FAILED), cells
 
 
 def _joined(words: Iterable[str]) -> str | None:
-    return ", ".join(words) or None
+    """Return the different words in one text; None without a word."""
+    return ", ".join(dict.fromkeys(words)) or None
 
 
 _RUNS: dict[Command, Callable[[Job, Log], Outcome]] = {

@@ -34,7 +34,7 @@ class Pool:
         self._pool = worker_pool(workers, *_PRELOADED)
 
     def submit(self, packed: bytes, items: tuple[WorkItem, ...]) -> Future[Rows]:
-        """Submit a chunk; ``packed`` as for `calib.line.fleet.work.run_items`."""
+        """Submit a chunk of logs and the pickled job, for `calib.line.fleet.work.run_items`."""
         return self._pool.submit(run_items, packed, items)
 
     def renew(self) -> None:
@@ -51,8 +51,7 @@ class Cluster:
     """The workers of Dask behind a scheduler at ``address``, such as "tcp://host:8786".
 
     Each worker must have this version of the program, and the logs under the same absolute paths.
-    Dask itself gives the logs of a dead worker to another one. The class and its methods raise
-    BatchError if the scheduler does not answer.
+    The class and its methods raise BatchError if the scheduler does not answer.
     """
 
     def __init__(self, address: str):
@@ -90,7 +89,7 @@ class Cluster:
         return rows
 
     def renew(self) -> None:
-        """Raise BatchError without a scheduler; Dask itself replaces workers."""
+        """Raise BatchError without a scheduler. Dask itself replaces a dead worker."""
         if self._client.status != "running":
             raise self._gone()
 
@@ -104,11 +103,11 @@ class Cluster:
             self._client.close()
 
 
-Executor = Pool | Cluster  # what a batch computes with
+Executor = Pool | Cluster
 
 
 def _pass_on(rows: Future[Rows], dask_future: Any) -> None:
-    """Copy result or error of a Dask future. Dask's own executor loses a failed transfer."""
+    """Copy result or error of a Dask future; Dask's own executor would lose a failed transfer."""
     try:
         rows.set_result(dask_future.result())
     except BaseException as error:

@@ -2,10 +2,11 @@ r"""Gauge repeatability and reproducibility of a metric: variance components, %G
 
     y = mean + car_i + station_j + (car x station)_ij + repeat      all random but the mean
 
-The random terms are the causes of scatter. `anova` splits the sum of squares by cause, in this
-order; each cause is adjusted for the causes before it (type I, Henderson's third method). The mean
-square MS of a cause is its sum of squares over its degrees of freedom. Expected mean squares are
-linear in the variances sigma^2 of the causes, with a matrix C that depends on the design only:
+The random terms are the causes of scatter. The design says which cars were on which stations how
+often. `anova` splits the sum of squares by cause, in this order; each cause is adjusted for the
+causes before it (type I, Henderson's third method). The mean square MS of a cause is its sum of
+squares over its degrees of freedom. Expected mean squares are linear in the variances sigma^2 of
+the causes, with a matrix C that depends on the design only:
 
     E[MS] = C sigma^2,      so the estimate is  sigma^2 = C^-1 MS
 
@@ -38,7 +39,7 @@ from numpy.typing import NDArray
 
 from calib.base.arrays import Array
 
-Codes = NDArray[np.int64]  # numbers, from 0, of the cars or of the stations of n readings, (n,)
+Codes = NDArray[np.int64]  # number of the car, or of the station, of each of n readings (n,)
 
 CAR, STATION, INTERACTION, REPEATABILITY = "car", "station", "car_by_station", "repeatability"
 REPRODUCIBILITY, GAUGE, TOTAL = "reproducibility", "gauge", "total"
@@ -74,8 +75,7 @@ def causes_of(car: Codes, station: Codes) -> tuple[str, ...]:
     """Return the causes that the design of n readings can separate, in order.
 
     A cause is separated if it adds something to the causes before it, as stations do if a car was
-    on two of them. The interaction must also leave something to the repeats; `anova` refuses a
-    design in which the stations leave nothing.
+    on two of them. The interaction must also leave something to the repeats.
     """
     causes, columns = [CAR], _columns(car)
     for cause, codes in ((STATION, station), (INTERACTION, _cell(car, station))):
@@ -91,7 +91,7 @@ def causes_of(car: Codes, station: Codes) -> tuple[str, ...]:
 
 
 def anova(y: Array, car: Codes, station: Codes, causes: tuple[str, ...] = ()) -> Anova:
-    """Return the analysis of variance of ``y`` (n,) by ``causes``, or by those of `causes_of`.
+    """Return the analysis of variance of ``y`` (n,) by ``causes``, by default those of `causes_of`.
 
     Raises ValueError if a cause has no degree of freedom left.
     """
@@ -106,7 +106,7 @@ def anova(y: Array, car: Codes, station: Codes, causes: tuple[str, ...] = ()) ->
     ms = {cause: ss[cause] / df[cause] for cause in causes}
     C = np.empty((len(causes), len(causes)))
     for i, (cause, U) in enumerate(directions.items()):
-        # the mean square is |U' y|^2/df, so a variance counts by |U' Z|^2/df
+        # the mean square is |U' y|^2/df: in its expectation a variance has the factor |U' Z|^2/df
         C[i] = [float(np.sum((U.T @ z) ** 2)) / df[cause] for z in Z.values()]
     variances = dict(zip(causes, np.linalg.solve(C, [*ms.values()]).tolist(), strict=True))
     sources = (
@@ -119,7 +119,7 @@ def anova(y: Array, car: Codes, station: Codes, causes: tuple[str, ...] = ()) ->
 def _directions(Z: dict[str, Array]) -> dict[str, Array]:
     """Return orthonormal directions U (n, df) of each cause from its columns ``Z`` (n, levels).
 
-    They are orthogonal to the mean and to the causes before. Raises ValueError if a cause has none.
+    All directions are orthogonal to the mean. Raises ValueError if a cause has none.
     """
     n = len(next(iter(Z.values())))
     basis = np.ones((n, 1)) / np.sqrt(n)
@@ -147,8 +147,8 @@ def _columns(codes: Codes) -> Array:
 def _effective_df(U: Array, Z: dict[str, Array], variances: dict[str, float]) -> float:
     """Return Satterthwaite's degrees of freedom of the mean square with the directions ``U``.
 
-    These are tr(M)^2/tr(M^2), where M = U' V U (df, df) is the covariance of U' y; if M is a
-    multiple of the identity, they are df. A negative variance counts as zero.
+    These are tr(M)^2/tr(M^2), where M (df, df) is the covariance of U' y. A negative variance
+    counts as zero.
     """
     M = np.sum([max(variances[c], 0.0) * (U.T @ z) @ (U.T @ z).T for c, z in Z.items()], axis=0)
     trace_of_square = float(np.sum(M * M))
@@ -192,30 +192,30 @@ def gauge_rr(analysis: Anova, tolerance: float | None = None) -> GaugeRR:
         raise ValueError("nothing scatters between repeats")
     # draws of expected mean squares and of variances, (k, _DRAWS)
     ms = [x.ms * x.effective_df / _chi2(x.effective_df, i) for i, x in enumerate(analysis.sources)]
-    drawn = np.linalg.solve(analysis.expected_mean_squares, np.array(ms))
+    variances = np.linalg.solve(analysis.expected_mean_squares, np.array(ms))
     estimates = _component_variances(analysis.variances)
-    draws = _component_variances(dict(zip(analysis.variances, drawn, strict=True)))
+    draws = _component_variances(dict(zip(analysis.variances, variances, strict=True)))
     components = {}
     for name, variance in estimates.items():
         low, high = _interval(draws[name])
         components[name] = _Component(math.sqrt(variance), (math.sqrt(low), math.sqrt(high)))
     (grr, ndc), (grr_draws, ndc_draws) = _ratios(estimates), _ratios(draws)
-    of_tolerance = None
+    grr_of_tolerance = None
     if tolerance:
         gauge, factor = components[GAUGE], _SIGMAS / tolerance
         low, high = gauge.ci95
-        of_tolerance = _Ratio(factor * gauge.sd, (factor * low, factor * high))
+        grr_of_tolerance = _Ratio(factor * gauge.sd, (factor * low, factor * high))
     return GaugeRR(
         anova=analysis.sources,
         components=components,
         grr=_Ratio(float(grr), _interval(grr_draws)),
         ndc=_Ratio(int(min(float(ndc), 1e9)), _interval(ndc_draws)),
-        grr_of_tolerance=of_tolerance,
+        grr_of_tolerance=grr_of_tolerance,
         cars_differ=components[CAR].ci95[0] > 0.0,
     )
 
 
-@lru_cache(maxsize=16)  # 160 kB each; unbalanced designs seldom repeat their degrees of freedom
+@lru_cache(maxsize=16)
 def _chi2(nu: float, stream: int) -> Array:
     """Return chi-square draws (_DRAWS,), the same in every run; each cause has its ``stream``."""
     return np.random.default_rng([20, stream]).chisquare(nu, _DRAWS)
@@ -224,11 +224,11 @@ def _chi2(nu: float, stream: int) -> Array:
 def _component_variances(variances: Mapping[str, Array | float]) -> dict[str, Array]:
     """Return the variance of each component in `GaugeRR`; a negative variance counts as zero."""
     v = {cause: np.maximum(x, 0.0) for cause, x in variances.items()}
-    of_stations = {cause: v[cause] for cause in (STATION, INTERACTION) if cause in v}
-    components = {REPEATABILITY: v[REPEATABILITY], **of_stations}
-    if of_stations:
-        components[REPRODUCIBILITY] = np.sum([*of_stations.values()], axis=0)
-    components[GAUGE] = np.sum([v[REPEATABILITY], *of_stations.values()], axis=0)
+    by_station = {cause: v[cause] for cause in (STATION, INTERACTION) if cause in v}
+    components = {REPEATABILITY: v[REPEATABILITY], **by_station}
+    if by_station:
+        components[REPRODUCIBILITY] = np.sum([*by_station.values()], axis=0)
+    components[GAUGE] = np.sum([v[REPEATABILITY], *by_station.values()], axis=0)
     return components | {CAR: v[CAR], TOTAL: components[GAUGE] + v[CAR]}
 
 

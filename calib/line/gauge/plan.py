@@ -43,8 +43,7 @@ def read_plan(path: Path, vehicle: Path | None = None) -> tuple[PlannedRamp, ...
     ramps = tuple(_rows(path, vehicle))
     if not ramps:
         raise InputError("the plan has no logs", where=path, expected="a row for each log")
-    files = Counter(os.path.realpath(ramp.log) for ramp in ramps)
-    file, count = files.most_common(1)[0]
+    file, count = Counter(os.path.realpath(ramp.log) for ramp in ramps).most_common(1)[0]
     if count > 1:
         raise InputError(f"{file} occurs twice", where=path)
     if len({bool(ramp.station) for ramp in ramps}) > 1:
@@ -63,22 +62,21 @@ def _rows(path: Path, vehicle: Path | None) -> Iterator[PlannedRamp]:
             raise csv.Error("it holds a NUL")
         delimiter = ";" if ";" in text and "," not in text.partition("\n")[0] else ","
         lines = csv.reader(text.splitlines(), delimiter=delimiter)
-        rows = [[cell.strip() for cell in row] for row in lines]
+        columns, *rows = [[cell.strip() for cell in row] for row in lines] or [[]]
     except (UnicodeDecodeError, csv.Error) as cause:
         raise InputError(f"not a table: {cause}", where=path, expected=_FILE) from cause
-    columns = rows[0] if rows else []
-    has_required, is_known = {"log", "car"} <= {*columns}, {*columns} <= {*_COLUMNS}
-    if not (has_required and is_known) or len({*columns}) < len(columns):
+    names = {*columns}
+    if not {"log", "car"} <= names <= {*_COLUMNS} or len(names) < len(columns):
         raise InputError(f"columns {', '.join(columns)}", where=path, expected=_FILE)
-    for number, row in enumerate(rows[1:], 2):
+    for number, row in enumerate(rows, 2):
         if not any(row):
             continue
         cells = dict(zip(columns, row, strict=False))
         if len(row) > len(columns) or not (cells.get("log") and cells.get("car")):
             problem = f"row {number} has no log or car, or too many cells"
             raise InputError(problem, where=path, expected=_FILE)
-        cell = cells.pop("vehicle", "")
-        vehicle_file = path.parent / cell if cell else vehicle
+        file = cells.pop("vehicle", "")
+        vehicle_file = path.parent / file if file else vehicle
         yield PlannedRamp(path.parent / cells.pop("log"), vehicle=vehicle_file, **cells)
 
 
@@ -96,7 +94,7 @@ def readings(
     from calib.car.vehicle_file import read_vehicle
 
     cars = {file: read_vehicle(file) for file in {ramp.vehicle for ramp in ramps} if file}
-    ramp_readings: list[GaugeReading] = []
+    gauge_readings: list[GaugeReading] = []
     fitted_logs: list[LogReference] = []
     for ramp in ramps:
         assert ramp.vehicle is not None
@@ -107,6 +105,6 @@ def readings(
         metrics = metrics_of(table, log)
         figures = {name: metrics[name] for name in names}
         reading = GaugeReading(str(ramp.log), ramp.car, ramp.station, figures, log.digest)
-        ramp_readings.append(reading)
+        gauge_readings.append(reading)
         report()
-    return tuple(ramp_readings)
+    return tuple(gauge_readings)

@@ -3,8 +3,8 @@
 ramps --fit, one table for each ramp--> metrics --anova--> components --limits--> verdict
 
 The scatter of the gauge is compared with the differences of the cars (%GRR, ndc), and with the
-tolerance of a metric if it is known; see `calib.line.gauge.gauge_rr`. A file has both limits and
-tolerances:
+tolerance of a metric if it is known; see `calib.line.gauge.gauge_rr`. One file holds both limits
+and tolerances:
 
     schema = 1
 
@@ -44,7 +44,7 @@ METRICS = ("pad_scale", "pad_friction_f", "pad_friction_r", "eta_zero", "slip_st
 
 _FIGURES = ("grr", "ndc", "grr_of_tolerance")  # figures of each metric that are judged
 KNOWN_LIMITS = (*_FIGURES, *METRICS)
-"""Names that a file of limits may have. The limit of a metric is its tolerance."""
+"""Names in a file of limits. The limit of a metric is its tolerance."""
 
 _DEFAULTS = (
     Limit("grr", None, 0.30),
@@ -116,8 +116,8 @@ class GaugeStudy:
 def metrics_of(table: Table, log: Log) -> dict[str, float]:
     """Return the metrics of the ramp ``log`` from its ``table``.
 
-    The curves need no metrics of their own: D is about K (eta - 1), with the slip stiffness K, and
-    f1 and f2 follow from D.
+    There is none of the curves, which follow from these: D is about K (eta - 1), with the slip
+    stiffness K, and f1 and f2 follow from D.
     """
     s, pads = signals(log, table.vehicle.rear.rolling_radius), table.calibration
     omega_f, omega_r = (np.mean(omega[s.lead_in]) for omega in (s.omega_f, s.omega_r))
@@ -150,7 +150,7 @@ def read_gauge_limits(path: Path | None) -> tuple[Limit, ...]:
 
 
 def _tolerances(limits: tuple[Limit, ...], where: object = None) -> dict[str, float]:
-    """Return the width USL - LSL of each tolerance, in the unit of its metric.
+    """Return the width USL - LSL of the tolerance of each metric that has one.
 
     Raises LimitsError for a tolerance without two ends that are apart.
     """
@@ -174,22 +174,22 @@ def study(readings: tuple[GaugeReading, ...], limits: tuple[Limit, ...] = _DEFAU
     for a tolerance with one end.
     """
     tolerances = _tolerances(limits)
-    of_gauge = tuple(limit for limit in limits if limit.figure not in METRICS) or _DEFAULTS
+    gauge_limits = tuple(limit for limit in limits if limit.figure not in METRICS) or _DEFAULTS
     # numbers of car and station of each reading, (n,)
     car = np.unique([reading.car for reading in readings], return_inverse=True)[1]
     station = np.unique([reading.station for reading in readings], return_inverse=True)[1]
-    terms = causes_of(car, station)
+    causes = causes_of(car, station)
     values = {name: np.array([r.figures[name] for r in readings]) for name in readings[0].figures}
     try:
-        analyses = {name: anova(y, car, station, terms) for name, y in values.items()}
-    except ValueError as cause:
+        analyses = {name: anova(y, car, station, causes) for name, y in values.items()}
+    except ValueError as error:
         expected = "two cars or more, and more ramps than cars and stations together"
-        raise InputError(str(cause), where=f"{len(readings)} ramps", expected=expected) from cause
+        raise InputError(str(error), where=f"{len(readings)} ramps", expected=expected) from error
     results = [
-        _result(name, values[name], analysis, of_gauge, tolerances.get(name))
+        _result(name, values[name], analysis, gauge_limits, tolerances.get(name))
         for name, analysis in analyses.items()
     ]
-    notes = _notes(terms, several_stations=bool(station.max()))
+    notes = _notes(causes, several_stations=bool(station.max()))
     alike = [result.name for result in results if result.verdict == GaugeVerdict.ALIKE]
     if alike:
         notes.append(
@@ -202,16 +202,18 @@ def study(readings: tuple[GaugeReading, ...], limits: tuple[Limit, ...] = _DEFAU
 def _result(
     name: str, values: Array, analysis: Anova, limits: tuple[Limit, ...], tolerance: float | None
 ) -> GaugeResult:
-    """Return the result for one metric, without %GRR and ndc if the cars do not differ."""
+    """Return the result for one metric; %GRR and ndc are judged if the cars differ."""
     try:
         gauge = gauge_rr(analysis, tolerance)
     except ValueError:
         return GaugeResult(name, values, None, (), GaugeVerdict.NOT_JUDGED)
-    grr, ndc = (gauge.grr.value, gauge.ndc.value) if gauge.cars_differ else (None, None)
-    of_tolerance = gauge.grr_of_tolerance.value if gauge.grr_of_tolerance else None
-    figures = dict(zip(_FIGURES, (grr, ndc, of_tolerance), strict=True))
+    figures: dict[str, float | None] = {}
+    if gauge.cars_differ:
+        figures = {"grr": gauge.grr.value, "ndc": gauge.ndc.value}
+    if gauge.grr_of_tolerance:
+        figures["grr_of_tolerance"] = gauge.grr_of_tolerance.value
     judgements = judge(limits, figures)
-    shares = [share for share in (grr, of_tolerance) if share is not None]
+    shares = [share for name, share in figures.items() if name != "ndc" and share is not None]
     if any(judgement.verdict == FAILED for judgement in judgements):
         verdict = GaugeVerdict.BAD
     elif not shares:
@@ -221,13 +223,13 @@ def _result(
     return GaugeResult(name, values, gauge, judgements, verdict)
 
 
-def _notes(terms: tuple[str, ...], *, several_stations: bool) -> list[str]:
-    """Return what the design cannot tell; ``terms`` are the causes that it separates."""
+def _notes(causes: tuple[str, ...], *, several_stations: bool) -> list[str]:
+    """Return the limits of a design that separates ``causes``, in words."""
     if not several_stations:
         return ["fewer than two stations are given: reproducibility is not measured"]
-    if STATION not in terms:
+    if STATION not in causes:
         return ["no car was on two stations: differences of stations count as differences of cars"]
-    if INTERACTION not in terms:
+    if INTERACTION not in causes:
         return ["no car was twice on a station: the interaction counts as repeatability"]
     return []
 

@@ -54,20 +54,18 @@ def publish_run(work: Path, out: Path) -> list[Path]:
     """Move everything from ``work`` into ``out``, the verdict last; return the paths.
 
     Files of an earlier run are removed: the export of a car that passed must not stay when the car
-    fails. Raises OSError, see `calib.base.write.publish`.
+    fails. Raises OSError.
     """
     return publish(work, out, DOCUMENT, _stale)
 
 
 def _stale(out: Path) -> set[str]:
-    """Return every export, the files that an earlier verdict lists, and an earlier refusal."""
+    """Return every export, an earlier refusal, and the files that an earlier verdict lists."""
     stale = {*map(export_name, ENDINGS), REFUSED}
     with suppress(OSError, ValueError, KeyError, TypeError, RecursionError):
-        for name in json.loads(read_bounded(out / DOCUMENT, VALIDATION))["files"]:
-            is_file_here = isinstance(name, str) and name == Path(name).name
-            if is_file_here and name not in _FIXED:
-                stale.add(name)
-    return stale
+        names = json.loads(read_bounded(out / DOCUMENT, VALIDATION))["files"]
+        stale |= {x for x in names if isinstance(x, str) and x == Path(x).name}
+    return stale - {*_FIXED}
 
 
 def write_refusal(
@@ -146,12 +144,11 @@ def junit_xml(outcome: StationOutcome, stored: Stored) -> bytes:
     """Return the checks as JUnit XML. All times are zero, so the same car gives the same bytes."""
     environment = templates("calib.line.station", markup=True)
     environment.filters["clean"] = _clean
-    identifiers = {"verdict": outcome.verdict, "table": stored.id, "digest": stored.digest}
-    identifiers |= {"state": stored.state.word, **outcome.identity}
+    table = {"table": stored.id, "digest": stored.digest, "state": stored.state.word}
     page = environment.get_template("junit.xml.j2").render(
         checks=outcome.checks,
         counts=outcome.counts,
-        identifiers=identifiers,
+        identifiers={"verdict": outcome.verdict, **table, **outcome.identity},
         warnings=outcome.warnings,
     )
     return page.encode()

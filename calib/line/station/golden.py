@@ -1,8 +1,8 @@
 """Distance of a car's table from the golden table of its model, in D(eta), pads and tyres.
 
-A golden table is the released table of a good car, or the mean of several good cars. It must be of
-the same track: D is about K (eta - 1), and the slip stiffness K depends on the road. D is compared
-up to the end of the shorter curve.
+A golden table is the released table of a good car, or the mean of several good cars, which are then
+its fleet. It must be of the same track: D is about K (eta - 1), and the slip stiffness K depends on
+the road. D is compared up to the end of the shorter curve.
 
 The mean of several cars gives the distance also in sigma of these cars:
 
@@ -31,7 +31,7 @@ _OVERLAP = 0.5
 
 
 def golden_table(store: Store, reference: str) -> Stored:
-    """Return a released table, or a draft named by its version. Raises StoreError for others."""
+    """Return a released table, or a draft by its version. Raises StoreError for other tables."""
     stored = store.released(reference)
     if not (stored.state.usable and stored.state.in_store):
         flaw = f"is {stored.state.description}; no car is measured by it"
@@ -40,10 +40,7 @@ def golden_table(store: Store, reference: str) -> Stored:
 
 
 def golden_metrics(table: Table, golden: Table) -> dict[str, float]:
-    """Return the `golden_` metrics that both tables give.
-
-    Metrics of D need an `_OVERLAP`, metrics in sigma need a golden table of several cars.
-    """
+    """Return the `golden_` metrics that both tables give, in sigma for a table of several cars."""
     pads, golden_pads = table.calibration, golden.calibration
     metrics = {
         "golden_pads_f": pads.pad_friction_f.value / golden_pads.pad_friction_f.value - 1.0,
@@ -61,9 +58,9 @@ def golden_metrics(table: Table, golden: Table) -> dict[str, float]:
 
 
 def _distance(table: Table, golden: Table, end: float) -> dict[str, float]:
-    """Return the largest difference of D up to eta = ``end``.
+    """Return the largest difference of D up to eta = ``end``, in two units.
 
-    It is given over the golden table's largest D, and over the 95 % half width of the difference.
+    One is the golden table's largest D, the other the 95 % half width of the difference.
     """
     curves = table.difference, golden.difference
     # both curves are linear between rows, so their difference is largest at a row of one of them
@@ -82,20 +79,20 @@ def _distance(table: Table, golden: Table, end: float) -> dict[str, float]:
 def _sigmas(
     table: Table, golden: Table, spread: FleetScatter, end: float | None
 ) -> dict[str, float]:
-    """Return the distances in sigma of pads and tyres, and of D unless ``end`` is None.
+    """Return the distances in sigma of pads and tyres, and of D where it is largest up to ``end``.
 
-    D is compared where the golden D is largest up to eta = ``end``.
+    ``end`` is an eta, or None where the curves overlap too little.
     """
     pads, golden_pads = (pad_levels(t.vehicle, t.calibration) for t in (table, golden))
     stiffness, mean = (t.calibration.slip_stiffness.value for t in (table, golden))
     budget, freedom = table.budget, spread.freedom
-    of_logarithms = (  # name, difference from the mean, scatter of the cars, variances by part
+    logarithms = (  # name, difference from the mean, scatter of the cars, variances by part
         ("level", pads.level - golden_pads.level, spread.pad_level, budget.level),
         ("ratio", pads.ratio - golden_pads.ratio, spread.pad_ratio, budget.ratio),
         ("stiffness", math.log(stiffness / mean), spread.stiffness, budget.stiffness),
     )
     sigmas = {}
-    for name, difference, scatter, variances in of_logarithms:
+    for name, difference, scatter, variances in logarithms:
         sigmas[f"golden_sigma_{name}"] = _sigma(difference, scatter, per_run(variances), freedom)
     if end is not None:
         curve, golden_curve = table.difference, golden.difference
@@ -112,8 +109,8 @@ def _sigmas(
 
 def _sigma(difference: float, scatter: Scatter, per_run_variance: float, freedom: int) -> float:
     """Return the normal deviate of t, see the head of this file."""
-    predicted = math.sqrt(scatter.between**2 + scatter.of_mean**2 + per_run_variance)
     if difference == 0.0:
         return 0.0
-    t = difference / predicted if predicted > 0.0 else math.copysign(math.inf, difference)
+    sigma = math.sqrt(scatter.between**2 + scatter.of_mean**2 + per_run_variance)
+    t = difference / sigma if sigma > 0.0 else math.copysign(math.inf, difference)
     return normal_equivalent(t, freedom)

@@ -1,7 +1,7 @@
 """Find the runs below a folder, for the index page on the operator's screen.
 
-A run is a folder with a station.json or a refused.json. If it has both, the refusal is newer and
-counts. Folders inside a run are not searched.
+A run is a folder with a station.json or a refused.json. Where both files stand, the refusal is the
+newer one and counts. Folders inside a run are not searched.
 """
 
 import json
@@ -31,10 +31,10 @@ class IndexedRun:
     station: str = ""
     bad: int = 0  # number of checks and warnings that speak against the car
     why: tuple[str, str, float | None, str] | None = None
-    """The first of these checks, a failed one if any: metric, stop, value and next step."""
+    """Metric, stop, value and next step of the worst check; None if all passed."""
     trend: dict[str, float | None] | None = None  # the metrics `TRENDS` by name
     limits: dict[str, tuple[float | None, float | None]] | None = None  # of `trend`: low, high
-    refusal: str = ""  # why the car could not be judged
+    refusal: str = ""  # reason why the car could not be judged
 
 
 TRENDS = ("torque_per_bar_f", "torque_per_bar_r", "pad_scale", "ramp_eta_zero")

@@ -48,9 +48,8 @@ def document() -> list[dict[str, Any]]:
         metric = METRICS[limit.figure]
         # a metric with a factor, such as 100 for a percentage, has its limits as a share
         unit = metric.unit if metric.unit and metric.factor == 1.0 else "1"
-        rows.append(
-            {"limit": limit, "unit": unit, "reason": metric.reason, "action": metric.action}
-        )
+        texts = {"unit": unit, "reason": metric.reason, "action": metric.action}
+        rows.append({"limit": limit, **texts})
     return rows
 
 
@@ -73,12 +72,8 @@ def limits_file() -> str:
         scope = "each stop: " if metric.scope == "stop" else ""
         fail, warn = _range(limit.low, limit.high), _range(limit.warn_low, limit.warn_high)
         required = ", required = true" if limit.required else ""
-        lines += [
-            f"# {scope}{metric.meaning}",
-            f"# why: {metric.reason}",
-            f"{limit.figure} = {{fail = {fail}, warn = {warn}{required}}}",
-            "",
-        ]
+        lines += [f"# {scope}{metric.meaning}", f"# why: {metric.reason}"]
+        lines += [f"{limit.figure} = {{fail = {fail}, warn = {warn}{required}}}", ""]
     lines.append(f"# Not judged unless a line is added, such as `{_EXAMPLE}`:")
     for figure, metric in METRICS.items():
         if metric.scope == "stop" and not metric.judged:

@@ -1,6 +1,6 @@
 """Metrics of a car as a whole. Those of a single hold-out are in `calib.estimation.metrics`.
 
-`metrics_of` has all of them; the rest of the file is the side difference, left against right.
+`metrics_of` returns all of them. The rest of the file is the side difference, left against right.
 """
 
 from collections.abc import Sequence
@@ -41,8 +41,8 @@ def metrics_of(
     """
     pads, runs = table.calibration, [Run(log) for log in ramps]
     car = table.vehicle.with_pads(pads.pad_friction_f.value, pads.pad_friction_r.value)
-    zeros = [run.axles.front_rear for run in runs if run.axles]
-    mismatches = [table.vehicle.radius_mismatch(zero.value) for zero in zeros if zero]
+    eta_zeros = [run.axles.front_rear for run in runs if run.axles]
+    mismatches = [table.vehicle.radius_mismatch(zero.value) for zero in eta_zeros if zero]
     metrics: dict[str, float | None] = {
         "ramp_deceleration": table.quality["deceleration_max"],
         "measured_share": float(np.mean(table.paper.flag == MEASURED)),
@@ -78,9 +78,9 @@ def side_difference(table: Table, run: Run, axle: str) -> float | None:
 
         F_l - F_r = d (F_l + F_r)/2        F = g(s), d is the difference
 
-    Where the log has both pressures of the axle, their difference is subtracted, so that only the
-    pads remain. The result is None without a reference speed, with too little braking between 0.1
-    and 0.4 g, or if the half width of the 95 % interval is above `_WIDEST`. A bend or a crowned
+    Where the log has both pressures of the axle, their difference is subtracted, so that only that
+    of the pads remains. The result is None without a reference speed, with too little braking from
+    0.1 to 0.4 g, or if the half width of the 95 % interval is above `_WIDEST`. A bend or a crowned
     road looks like a difference.
     """
     log, driving = run.log, run.driving
@@ -94,15 +94,15 @@ def side_difference(table: Table, run: Run, axle: str) -> float | None:
     if rolling[0].size < 3:  # too few blocks for the scatter of the zero
         return None
     use = driving.braked & (driving.z > _LOW) & (driving.z < _HIGH) & (driving.speed > MOVING)
-    zeroed = [block_mean(s[use], block) - np.mean(s0) for s, s0 in zip(slips, rolling, strict=True)]
+    zeros = [np.mean(s) for s in rolling]
+    s_l, s_r = (block_mean(s[use], block) - zero for s, zero in zip(slips, zeros, strict=True))
     tyre = table.tyre
-    on_curve = np.maximum(*zeroed) <= tyre.slip[-1]
+    on_curve = np.maximum(s_l, s_r) <= tyre.slip[-1]
     if np.count_nonzero(on_curve) < _FEWEST:
         return None
     # noise may make a small slip negative: the curve is continued as an odd function
-    F_l, F_r = (
-        np.sign(s[on_curve]) * np.interp(np.abs(s[on_curve]), tyre.slip, tyre.force) for s in zeroed
-    )
+    s = np.stack([s_l, s_r])[:, on_curve]
+    F_l, F_r = np.sign(s) * np.interp(np.abs(s), tyre.slip, tyre.force)
     stiffness = float(tyre.force[1] / tyre.slip[1])
     d, half_width = _slope(0.5 * (F_l + F_r), F_l - F_r, stiffness * (rolling[0] - rolling[1]))
     return d - _pressure_difference(log, axle, use) if half_width <= _WIDEST else None

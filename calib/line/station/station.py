@@ -35,12 +35,12 @@ STATION = "station"
 
 _LONGEST = 64  # largest number of characters of an identifier
 
-Identity = Mapping[str, str]
-"""The identifiers that were given for a run, by their names in `TITLES`."""
-
 TITLES = {"serial": "Serial number", "vin": "VIN", "station": "Station", "rxswin": "RXSWIN"}
 """Titles of the identifiers: number of the car or its brake control unit, number of the car, place
 of the run, number of the software by UN R156."""
+
+Identity = Mapping[str, str]
+"""The identifiers that were given for a run, by their names in `TITLES`."""
 
 
 def identifier(text: str) -> str:
@@ -65,11 +65,11 @@ class StationCheck(Judgement):
     def text(self) -> str:
         """Value and limit in words: `Front brakes, left less right: 31 %; limit: -20 to 20 %`."""
         metric = metric_of(self.figure)
-        kind, limit = "limit", metric.bounds(self.low, self.high)
+        limit = f"limit: {metric.bounds(self.low, self.high)}"
         if self.verdict == WARNING:
-            kind, limit = "no warning", metric.bounds(self.warn_low, self.warn_high)
+            limit = f"no warning: {metric.bounds(self.warn_low, self.warn_high)}"
         prefix = "" if self.stop is None else f"stop {self.stop}, "
-        return f"{prefix}{metric.name}: {metric.with_unit(self.value)}; {kind}: {limit}"
+        return f"{prefix}{metric.name}: {metric.with_unit(self.value)}; {limit}"
 
     @property
     def action(self) -> str:
@@ -87,13 +87,13 @@ class StationOutcome:
     results: tuple[Validation, ...]  # of the hold-outs in their order
     limits: Sequence[Limit]
     golden: Stored | None = None  # golden table of the model
-    accepted: str = ""  # why warnings are accepted; "" accepts none
-    by: str = ""  # who answers for the verdict; "" is the user of the computer
+    accepted: str = ""  # reason why warnings are accepted; "" accepts none
+    by: str = ""  # person who answers for the verdict; "" is the user of the computer
     limits_file: str = ""  # name and digest of the file of `limits`; "" for default limits
 
     @property
     def identity(self) -> Identity:
-        """The identifiers that were given."""
+        """The identifiers of the run."""
         return self.table.provenance.identity
 
     @cached_property
@@ -114,10 +114,10 @@ class StationOutcome:
     @property
     def logs(self) -> list[tuple[str, str, str]]:
         """Role, name and digest of each log."""
-        roles = ("ramp", "coast")  # not "tyre", a tyre file
-        fitted = [log for log in self.table.provenance.logs if log.role in roles]
-        stops = [(result.role, result.log, result.digest) for result in self.results]
-        return [(log.role, log.name, log.digest) for log in fitted] + stops
+        fitted = self.table.provenance.logs
+        # a tyre file has the role "tyre", and is no log
+        drives = [(x.role, x.name, x.digest) for x in fitted if x.role in ("ramp", "coast")]
+        return [*drives, *((x.role, x.log, x.digest) for x in self.results)]
 
     @property
     def warnings(self) -> tuple[PlausibilityWarning, ...]:
@@ -144,8 +144,8 @@ class StationOutcome:
         labels = {FAILED: "failed", WARNING: "with a warning", NOT_KNOWN: "not known"}
         others = [f"{counts[word]} {label}" for word, label in labels.items() if counts[word]]
         checks = ", ".join([f"{counted(counts[PASSED], 'check')} passed", *others])
-        of_logs = f"; {counted(warnings, 'warning')} of its logs" if warnings else ""
-        return f"{checks}{of_logs}{self._unproved}"
+        warned = f"; {counted(warnings, 'warning')} of its logs" if warnings else ""
+        return f"{checks}{warned}{self._unproved}"
 
     @property
     def _unproved(self) -> str:
@@ -154,8 +154,7 @@ class StationOutcome:
 
     def decision(self, digest: str) -> StateDecision:
         """Return the decision on the table's state; ``digest`` is that of `station.json`."""
-        # a table with warnings that nobody accepts stays a draft
-        state = {PASSED: RELEASED, FAILED: REJECTED}.get(self.verdict, DRAFT)
+        state = {PASSED: RELEASED, FAILED: REJECTED, WARNING: DRAFT}[self.verdict]
         reason = f"{self.verdict} at the station{self._unproved}"
         if self.verdict == WARNING and self.accepted:
             state, reason = RELEASED, f"{reason}; accepted: {self.accepted}"
@@ -184,10 +183,10 @@ def judged_car(
 ) -> StationOutcome:
     """Fit the table of a car, validate it on its stops, and judge both by the limits.
 
-    ``ramps`` and ``coasts`` are for the fit, ``stops`` are hold-outs. ``identity`` gets into the
-    provenance of the table. ``mass`` is that of the car in these logs [kg], if not that of
-    ``vehicle``. ``golden`` is the golden table of the model. ``report`` is called after the fit and
-    after each stop. ``fields`` are further fields of `StationOutcome`.
+    ``ramps`` and ``coasts`` are for the fit, ``stops`` are hold-outs. ``identity`` becomes part of
+    the table. ``mass`` is that of the car in these logs [kg], if not that of ``vehicle``.
+    ``golden`` is the golden table of the model. ``report`` is called after the fit and after each
+    stop. ``fields`` are further fields of `StationOutcome`.
 
     Raises VehicleError for a golden table of another model, LogError for a ramp without braking, a
     coast with braking, or a stop that is a copy of a log of the fit.
@@ -208,7 +207,7 @@ def judged_car(
 
 
 def _require_roles(table: Table, ramps: Sequence[Log], coasts: Sequence[Log]) -> None:
-    """Raise LogError for a ramp that the fit took as a coast, or a coast taken as a ramp."""
+    """Raise LogError for a ramp that the fit took for a coast, or a coast taken for a ramp."""
     roles = {log.digest: log.role for log in table.provenance.logs}
     for role, logs in (("ramp", ramps), ("coast", coasts)):
         for log in logs:
@@ -220,14 +219,14 @@ def _require_roles(table: Table, ramps: Sequence[Log], coasts: Sequence[Log]) ->
 
 def car_warnings(table: Table, results: Sequence[Validation]) -> tuple[PlausibilityWarning, ...]:
     """Return a warning if the brakes of the stops, in the mean, are not those of the ramp."""
-    changes = [level_change(table, result) for result in results]
-    ratios = [change for change in changes if change is not None]
+    of_all = [force_over_ramp(table, result) for result in results]
+    ratios = [ratio for ratio in of_all if ratio is not None]
     mean = float(np.mean(np.log(ratios))) if ratios else 0.0
     measured = Measured("level_changed", mean, to_display=math.expm1)
     return rule_warnings(table.vehicle.name, [measured], STATION)
 
 
-def level_change(table: Table, result: Validation) -> float | None:
+def force_over_ramp(table: Table, result: Validation) -> float | None:
     """Return the brake force of a stop over that with the ramp's pads [1]; None if not known."""
     mu_f, mu_r = (result.figures[f"pad_friction_{axle}"] for axle in "fr")
     if mu_f is None or mu_r is None:

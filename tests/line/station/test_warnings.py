@@ -7,7 +7,7 @@ import pytest
 
 from calib.estimation.validate import validate
 from calib.fitting.fit import fit
-from calib.line.station.station import car_warnings, level_change
+from calib.line.station.station import car_warnings, force_over_ramp
 from calib.plausibility.check import check
 from tests.support.reference_car import CAR, REAL, noisy, ramp, stop
 
@@ -24,12 +24,12 @@ def result_with(front, rear):
 def test_the_level_is_that_of_the_whole_car(table):
     cal = table.calibration
     f, r = cal.pad_friction_f.value, cal.pad_friction_r.value
-    assert level_change(table, result_with(f, r)) == pytest.approx(1.0)
-    assert level_change(table, result_with(0.9 * f, 0.9 * r)) == pytest.approx(0.9)
-    front_only = level_change(table, result_with(0.9 * f, r))
+    assert force_over_ramp(table, result_with(f, r)) == pytest.approx(1.0)
+    assert force_over_ramp(table, result_with(0.9 * f, 0.9 * r)) == pytest.approx(0.9)
+    front_only = force_over_ramp(table, result_with(0.9 * f, r))
     share = (1.0 - front_only) / 0.1
     assert 0.65 < share < 0.8  # the front axle makes three quarters of the brake force
-    assert level_change(table, result_with(None, r)) is None
+    assert force_over_ramp(table, result_with(None, r)) is None
 
 
 @pytest.mark.parametrize(("mass", "expected"), [(1.0, []), (1.15, ["level_changed"])])
