@@ -1,8 +1,8 @@
-"""Priors of quantities that are not measured, from `beliefs.csv`, where each has its source.
+"""Priors of quantities that are not measured, from `beliefs.csv`: there each has unit and source.
 
-There are four groups: the `CAR`, a `SENSOR` of any car, how one `LOG` differs from other logs of
-the same car, and how a `STOP` differs from the ramp. Each field of a group is one row of the file,
-or several rows if it is a mixture. A quantity may have a prior in two groups; the sources say why.
+There are four groups: priors of a `Car`, of a `Sensor` of any car, of the difference between one
+`Log` and others of the same car, and of the difference between a `Stop` and the ramp. A field of a
+group is one row of the file, or several rows if it is a mixture.
 """
 
 from typing import Any, NamedTuple, TypeVar, get_type_hints
@@ -16,7 +16,7 @@ Row = dict[str, str]
 
 
 class Belief(NamedTuple):
-    """A normal prior in the unit of its row; a fixed number where ``sigma`` is 0."""
+    """A normal prior; a fixed number where ``sigma`` is 0."""
 
     mean: float
     sigma: float
@@ -25,9 +25,9 @@ class Belief(NamedTuple):
 
 
 class Mixture(NamedTuple):
-    """A mixture of normal priors."""
+    """A mixture of k normal priors."""
 
-    cases: tuple[str, ...]  # names of the k priors
+    cases: tuple[str, ...]  # names of the priors
     share: Array  # of each prior, (k,); the sum need not be 1
     mean: Array  # (k,)
     sigma: Array  # (k,)
@@ -42,13 +42,13 @@ class Mixture(NamedTuple):
         return np.asarray(self.case(u) == self.cases.index(name))
 
     def drawn(self, u: Array, x: Array) -> Array:
-        """Draw values (n,) by uniform ``u`` and standard normal ``x`` (n,)."""
+        """Draw values (n,) by uniform ``u`` and standard normal ``x``, (n,) each."""
         case = self.case(u)
         return np.asarray(self.mean[case] + self.sigma[case] * x)
 
 
 STIFFENING, DRY_PEAK = 0.25, 0.9
-"""On a road with the tyre peak mu [1], the ln of the slip stiffness changes by STIFFENING
+"""On a road where the tyre has the peak mu [1], ln of the slip stiffness is larger by STIFFENING
 ln(mu/DRY_PEAK). The rows `log_stiffness` give the variation about this mean."""
 
 
@@ -105,47 +105,28 @@ Group = TypeVar("Group", Car, Sensor, Log, Stop)
 
 
 def beliefs_of(group: type[Group], table: list[Row]) -> Group:
-    """Return the priors of a group from the rows of `beliefs.csv`.
-
-    Raises ValueError if rows and fields do not match, for a row that occurs twice, a quantity with
-    two units, and a cell that is not a number.
-    """
-    kinds = get_type_hints(group)  # Belief or Mixture by field
-    group_rows = [row for row in table if row["group"] == group.__name__.lower()]
-    unmatched = kinds.keys() ^ {row["quantity"] for row in group_rows}
-    if unmatched:
-        raise ValueError(f"a row without a field, or a field without a row: {', '.join(unmatched)}")
-    units: dict[str, str] = {}
-    for row in table:
-        if units.setdefault(row["quantity"], row["unit"]) != row["unit"]:
-            raise ValueError(f"two units of {row['quantity']}")
+    """Return the priors of a group from the rows of `beliefs.csv`."""
     priors: dict[str, Any] = {}
-    for name, kind in kinds.items():
-        field_rows = [row for row in group_rows if row["quantity"] == name]
-        priors[name] = _mixture(name, field_rows) if kind is Mixture else _belief(name, field_rows)
+    for name, kind in get_type_hints(group).items():
+        key = (group.__name__.lower(), name)
+        field_rows = [row for row in table if (row["group"], row["quantity"]) == key]
+        priors[name] = _mixture(field_rows) if kind is Mixture else _belief(*field_rows)
     return group(**priors)
 
 
-def _belief(name: str, field_rows: list[Row]) -> Belief:
-    cases, row = [row["case"] for row in field_rows], field_rows[0]
-    if cases != [""]:
-        raise ValueError(f"{name} is one row without a case, not rows with the cases {cases}")
+def _belief(row: Row) -> Belief:
     mean, sigma = float(row["mean"]), float(row["sigma"])
     return Belief(mean, sigma, float(row["model"] or 1.0), float(row["tyre_file"] or sigma))
 
 
-def _mixture(name: str, field_rows: list[Row]) -> Mixture:
+def _mixture(field_rows: list[Row]) -> Mixture:
     ordered = sorted(field_rows, key=lambda row: row["case"])  # no draw depends on the file's order
     cases = tuple(row["case"] for row in ordered)
-    if "" in cases or len(set(cases)) < len(cases):
-        raise ValueError(f"each row of {name} is a case of its own, not {cases}")
     columns = ("share", "mean", "sigma")
     share, mean, sigma = (np.array([float(row[key]) for row in ordered]) for key in columns)
     return Mixture(cases, share, mean, sigma)
 
 
 _TABLE = rows("beliefs.csv", "calib.car")
-if unknown := {row["group"] for row in _TABLE} - {"car", "sensor", "log", "stop"}:
-    raise ValueError(f"unknown groups: {', '.join(unknown)}")
 CAR, SENSOR = beliefs_of(Car, _TABLE), beliefs_of(Sensor, _TABLE)
 LOG, STOP = beliefs_of(Log, _TABLE), beliefs_of(Stop, _TABLE)
