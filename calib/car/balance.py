@@ -7,8 +7,8 @@ Body forces are those of known effects, such as air drag. The other moments come
 from the inertia of the wheels, and from a logged torque of engine or motor. Valid for quasi-static
 loads in a straight line.
 
-After it comes the distribution of the brake force between the axles, for equal pressure on both
-axles and without drag, slip control and wheel inertia, as in (9):
+The second half of the file is the distribution of the brake force between the axles, for equal
+pressure on both axles and without drag, slip control and wheel inertia, as in (9):
 
     F |      front ___.--      an axle locks where its normalised force F reaches the friction
       | __.--'  .--'           of the road: the axle with the larger F locks first
@@ -37,8 +37,8 @@ T = TypeVar("T", float, Array)
 class ForceBalance:
     """Forces of a run [N], shapes (n,); all but the loads are positive when they slow the car.
 
-    The drag of an axle is the moment on its wheels besides the brakes, over the rolling radius. The
-    inertia of slowing wheels, which drives the car on, makes the drag smaller.
+    The drag of an axle is the sum of the other moments on its wheels over the rolling radius. The
+    inertia of slowing wheels drives the car on, so it makes the drag smaller.
     """
 
     load_f: Array  # axle loads (6), (7), with the known effects on them
@@ -72,38 +72,33 @@ def force_balance(
     negative where it slows. ``spin`` is d omega/dt of the front and the rear wheels [rad/s^2]; its
     default -g z/R neglects the change of slip.
     """
+    front, rear = vehicle.front, vehicle.rear
     load_f, load_r = axle_loads(vehicle, z)
     history = replace(constant_speed(time, pressure, 0.0), v=speed, z=z)
     motion = Motion(speed, load_f, load_r, history)
-    moments = total_axle_moment(vehicle, effects, motion)
-    axles = (vehicle.front, vehicle.rear)
+    moment_f, moment_r = total_axle_moment(vehicle, effects, motion)
+    if drive is not None:
+        moment_f, moment_r = moment_f - drive[0], moment_r - drive[1]
     if spin is None:
-        spin = (-G * z / vehicle.front.rolling_radius, -G * z / vehicle.rear.rolling_radius)
-    if drive is None:
-        drive = (np.zeros_like(z), np.zeros_like(z))
-    net_moments = [moment - torque for moment, torque in zip(moments, drive, strict=True)]
-    drag_f, drag_r = (
-        (moment + 2.0 * axle.wheel_inertia * rate) / axle.rolling_radius  # (1)
-        for axle, moment, rate in zip(axles, net_moments, spin, strict=True)
-    )
+        spin = (-G * z / front.rolling_radius, -G * z / rear.rolling_radius)
     body = total_body_force(vehicle, effects, motion)
     shift = vehicle.weight * total_load_shift(vehicle, effects, history)
     return ForceBalance(
         load_f=load_f - shift,
         load_r=load_r + shift,
-        drag_f=drag_f,
-        drag_r=drag_r,
-        drag_no_inertia_f=net_moments[0] / vehicle.front.rolling_radius,
-        drag_no_inertia_r=net_moments[1] / vehicle.rear.rolling_radius,
+        drag_f=(moment_f + 2.0 * front.wheel_inertia * spin[0]) / front.rolling_radius,  # (1)
+        drag_r=(moment_r + 2.0 * rear.wheel_inertia * spin[1]) / rear.rolling_radius,
+        drag_no_inertia_f=moment_f / front.rolling_radius,
+        drag_no_inertia_r=moment_r / rear.rolling_radius,
         body=body,
         tyre_sum=vehicle.weight * z - body,  # (5), (17)
     )
 
 
 def rotating_shares(vehicle: Vehicle) -> tuple[float, float]:
-    """`Axle.wheel_mass` of both front and of both rear wheels over the mass of the car [1]."""
-    mass = vehicle.mass
-    return 2.0 * vehicle.front.wheel_mass / mass, 2.0 * vehicle.rear.wheel_mass / mass
+    """`Axle.wheel_mass` of both wheels of an axle over the mass of the car [1], front and rear."""
+    front, rear = vehicle.front.wheel_mass, vehicle.rear.wheel_mass
+    return 2.0 * front / vehicle.mass, 2.0 * rear / vehicle.mass
 
 
 def tyre_forces(
@@ -111,7 +106,7 @@ def tyre_forces(
 ) -> tuple[Array, Array]:
     """Tyre forces of the axles where the brakes alone slow the car, (13), (14).
 
-    ``brake`` is the brake force of both axles, ``share`` the part of the front axle in it [1], and
+    ``brake`` is the brake force of both axles, ``share`` that of the front axle in ``brake`` [1],
     ``inertia`` is -M dv/dt. A part of the brake force slows the wheels themselves. All forces are
     in N, or all are over the weight.
     """

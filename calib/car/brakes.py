@@ -65,7 +65,7 @@ def brakes_of(model: Model, history: RunHistory, logged: Mapping[str, Array]) ->
     computed = [w for w in WHEELS if w[1] == "l" or logged or w[0] in uneven_axles]
     clamp: dict[str, Array] = {}
     for side in {w[1] for w in computed}:
-        p_front, p_rear = wheel_pressure[f"f{side}"], wheel_pressure[f"r{side}"]
-        front, rear = caliper_pressure(effects, history, p_front, p_rear)
-        clamp |= {f"f{side}": front, f"r{side}": rear}
+        front, rear = f"f{side}", f"r{side}"
+        pressures = wheel_pressure[front], wheel_pressure[rear]
+        clamp[front], clamp[rear] = caliper_pressure(effects, history, *pressures)
     return Brakes(model, {w: clamp[w] for w in computed})

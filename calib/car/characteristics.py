@@ -21,21 +21,20 @@ def characteristics(vehicle: Vehicle) -> dict[str, Any]:
     and at 0.5 g as the mass that it carries [kg], and `Axle.wheel_mass` [kg].
     """
     axles, loads = (vehicle.front, vehicle.rear), axle_loads(vehicle, np.array([0.0, 0.5]))
-    car = {
+    values: dict[str, Any] = {
         "wheelbase": vehicle.wheelbase,
         "pressure_per_g": pressure_per_g(vehicle) / BAR,
         "front_share": front_share(vehicle, 0.0),
         "front_biased_up_to": finite_or_none(front_biased_up_to(vehicle)),
         "rear_lifts_at": vehicle.cg_to_front_axle / vehicle.cg_height,
     }
-    by_axle = {}
     for name, axle, load in zip(AXLE_NAMES.values(), axles, loads, strict=True):
         torque_per_bar = axle.pad_friction * axle.torque_gain * BAR  # (2), (3)
-        by_axle[name] = {
+        values[name] = {
             "torque_per_bar_wheel": torque_per_bar,
             "torque_per_bar_axle": 2.0 * torque_per_bar,
             "static_load": float(load[0]) / G,
             "load_at_half_g": float(load[1]) / G,
             "wheel_mass": axle.wheel_mass,
         }
-    return {**car, **by_axle}
+    return values

@@ -1,4 +1,4 @@
-"""A run as the effects see it: over time, its state at each moment, and its disc temperatures."""
+"""A run as input of the effects: its history, its motion, and the temperature of its discs."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -20,7 +20,9 @@ START_TEMP = 100.0
 """Temperature of a disc at the first sample [degC] if not logged: the upper end of cold brakes in
 UN R13-H, annex 3 (65 to 100 degC)."""
 
-COLD = (START_TEMP, START_TEMP)  # of the front and the rear discs
+COLD = (START_TEMP, START_TEMP)  # front and rear
+
+_AIR = 20.0  # temperature of the air [degC]
 
 
 @dataclass(frozen=True)
@@ -44,8 +46,8 @@ class RunHistory:
     def ripple(self, phase: float) -> Array:
         """sin(front wheel angle + ``phase``) [1] (n,), averaged as the samples are.
 
-        The mean of m evenly spaced samples that span the angle a is the sine at their middle,
-        multiplied by sin(a/2)/(m sin(a/(2 m))).
+        The mean of the sine over m evenly spaced samples that span the angle a is the sine at their
+        middle, multiplied by sin(a/2)/(m sin(a/(2 m))).
         """
         wave = np.sin(self.angle_f + phase)
         if self.averaged == 1 or wave.size < 2:
@@ -54,8 +56,7 @@ class RunHistory:
         divisor = self.averaged * np.sin(half_angle / self.averaged)
         is_at_rest = np.abs(divisor) < 1e-12
         factor = np.sin(half_angle) / np.where(is_at_rest, 1.0, divisor)
-        factor = np.where(is_at_rest, 1.0, factor)
-        return wave * factor
+        return wave * np.where(is_at_rest, 1.0, factor)
 
 
 @dataclass(frozen=True)
@@ -78,7 +79,7 @@ def constant_speed(
 ) -> RunHistory:
     """Return a run at the speed ``v0`` [m/s], whose angles, energies and deceleration are zero.
 
-    ``time`` [s], ``p_mc`` [Pa] and ``temperature`` [degC], by axle, have the shape (n,).
+    ``time`` [s], ``p_mc`` [Pa] and ``temperature`` [degC], by axle "f" and "r", are (n,).
     """
     by_axle, zero = temperature or {}, np.zeros_like(time)
     return RunHistory(
@@ -95,9 +96,6 @@ def constant_speed(
         source=source,
         start_heat=start_heat,
     )
-
-
-_AIR = 20.0  # temperature of the air [degC]
 
 
 def disc_temperature(time: Array, energy: Array, heat_capacity: float, start: float) -> Array:

@@ -2,7 +2,7 @@
 
 The example is the reference car of Tables I and II of the paper. A value outside the usual range of
 passenger cars and vans gives a warning. A value outside the wider bounds, from a microcar to a
-heavy coach, has a wrong unit or decimal point and is an error.
+heavy coach, is an error: its unit or its decimal point is wrong.
 """
 
 import json
@@ -25,7 +25,7 @@ class VehicleKey:
     section: str  # "" for a key before the sections
     name: str
     unit: str  # "" for a text, "1" for a number without unit
-    low: float  # of the usual range, in ``unit``
+    low: float  # usual range, in ``unit``
     high: float
     least: float  # bounds [SI]
     most: float
@@ -42,11 +42,9 @@ class VehicleKey:
         return f"{self.section}.{self.name}" if self.section else self.name
 
     @property
-    def default(self) -> float | None:
-        """Value [SI] where a file does not give an optional key; None if there is no default."""
-        owner = Axle if self.section in (FRONT, REAR) else Vehicle
-        value: float | None = getattr(owner, self.name)
-        return value
+    def default(self) -> Any:
+        """Value [SI] of an optional key that a file does not give; None if it has no value then."""
+        return getattr(Axle if self.section in (FRONT, REAR) else Vehicle, self.name)
 
     def value_of(self, vehicle: Vehicle) -> float:
         """The value in a vehicle, in ``unit``; only for a key that holds a number."""
@@ -97,7 +95,6 @@ def _commented(key: VehicleKey) -> str:
         comments.append(f"usual: {key.low:g} to {key.high:g}{unit_suffix(key.unit)}")
     # a number without unit has no quotes; TOML reads a text as JSON writes it
     value = key.example if key.unit == "1" else json.dumps(key.example, ensure_ascii=False)
-    entry = f"{key.name} = {value}"
-    if key.optional and key.default is None:
-        entry = f"# {entry}"
-    return "".join(f"{line}\n" for line in (*(f"# {text}" for text in comments), entry))
+    is_comment = key.optional and key.default is None
+    entry = f"# {key.name} = {value}" if is_comment else f"{key.name} = {value}"
+    return "\n".join([*(f"# {comment}" for comment in comments), entry, ""])

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from calib.base.arrays import Array
 
 _LEAST_DIFFERENCE = 1e-3
-"""Least difference of the two time constants of a `low_pass`, over their sum [1]: a divisor."""
+"""Least difference of the two time constants of a `low_pass`, over their sum [1], as a divisor."""
 
 
 def integral(time: Array, x: Array) -> Array:
@@ -77,7 +77,7 @@ def _follow(time: Array, x: Array, pole: complex) -> NDArray[Any]:
     # e[k+1] = exp(a) e[k] - (x[k+1] - x[k]) (exp(a) - 1)/a: a bidiagonal system of equations.
     a = pole * np.diff(time)
     growth = np.expm1(a)
-    bands = np.ones((2, x.size), a.dtype)
+    bands = np.ones((2, x.size), a.dtype)  # the diagonal, and the band below it
     bands[1, :-1] = -1.0 - growth
     right_side = np.concatenate([[0.0], -np.diff(x) * growth / a])
     solve = ztbtrs if np.iscomplexobj(a) else dtbtrs

@@ -20,17 +20,16 @@ class MassUsed:
     value: float  # [kg]
     tolerance: float  # relative standard deviation [1]
     stated: bool  # whether the mass was given for these logs
-    share: float = 1.0  # of the mass of the vehicle file [1]
+    share: float = 1.0  # ``value`` over the mass of the vehicle file [1]
 
     def __str__(self) -> str:
         mass = f"{self.value:.6g} kg ±{100.0 * Z95 * self.tolerance:.2g} % (95 %)"
+        excess = self.share - 1.0
+        if self.stated and abs(excess) <= WEIGHED:
+            return f"{mass}, as stated for these logs"
         if self.stated:
-            excess = self.share - 1.0
-            text = f"{mass}, as stated for these logs"
-            if abs(excess) <= WEIGHED:
-                return text
-            side = "above" if excess > 0.0 else "below"
-            return f"{text}: {100.0 * abs(excess):.2g} % {side} the vehicle file"
+            difference = f"{100.0 * abs(excess):.2g} % {'above' if excess > 0.0 else 'below'}"
+            return f"{mass}, as stated for these logs: {difference} the vehicle file"
         if self.tolerance < Vehicle.mass_tolerance:
             return f"{mass} by the vehicle file"
         return f"{mass}: the load was not stated; give --mass, or mass_tolerance in the file"
@@ -54,12 +53,8 @@ def with_mass(vehicle: Vehicle, mass: float | None) -> Vehicle:
             expected=f"{_SHARES[0]:g} to {_SHARES[1]:g} times",
             do="check number and unit of the mass; a car with such a load has its own vehicle file",
         )
-    return replace(
-        vehicle,
-        mass=mass,
-        mass_tolerance=min(vehicle.mass_tolerance, WEIGHED),
-        effects=vehicle.effects.without("mass_error"),
-    )
+    tolerance, effects = min(vehicle.mass_tolerance, WEIGHED), vehicle.effects.without("mass_error")
+    return replace(vehicle, mass=mass, mass_tolerance=tolerance, effects=effects)
 
 
 def mass_used(vehicle: Vehicle, mass: float | None) -> MassUsed:

@@ -13,7 +13,7 @@ from calib.car.tyre import MagicFormula
 from calib.car.vehicle import Vehicle
 
 WET_ASPHALT = MagicFormula(stiffness=25.0, peak=0.9)
-"""The tyre that is assumed where none is known: that of a passenger car on wet asphalt."""
+"""The tyre where none is known: that of a passenger car on wet asphalt."""
 
 
 @dataclass(frozen=True)
@@ -38,17 +38,15 @@ def default_model(vehicle: Vehicle) -> Model:
     >>> model.pad_friction_f == car.front.pad_friction, model.tyre.peak, bool(model.effects)
     (True, 0.9, False)
     """
-    where = f"vehicle {vehicle.name}: effects"
-    named = {
-        name: _checked(definition(vehicle.effects, name).card, values, f"{where}.{name}")
-        for name, values in vehicle.effects.parameters.items()
-    }
+    for name, values in vehicle.effects.parameters.items():
+        card = definition(vehicle.effects, name).card
+        _require_valid(card, values, f"vehicle {vehicle.name}: effects.{name}")
     return Model(
         vehicle=vehicle,
         pad_friction_f=vehicle.front.pad_friction,
         pad_friction_r=vehicle.rear.pad_friction,
         tyre=WET_ASPHALT,
-        effects=replace(vehicle.effects, parameters=named),
+        effects=vehicle.effects,
     )
 
 
@@ -62,8 +60,8 @@ def with_model(vehicle: Vehicle, model: Model) -> Vehicle:
     return with_effects(vehicle.with_pads(model.pad_friction_f, model.pad_friction_r), model)
 
 
-def _checked(card: Card, values: Mapping[str, float], where: str) -> dict[str, float]:
-    """Return the ``values`` [SI] of an effect's parameters. Raises ModelError for a wrong one."""
+def _require_valid(card: Card, values: Mapping[str, float], where: str) -> None:
+    """Raise ModelError if an effect does not have these parameters, with these ``values`` [SI]."""
     allowed = {parameter.name: parameter for parameter in card.parameters}
     for key in values:
         if key not in allowed:
@@ -71,12 +69,10 @@ def _checked(card: Card, values: Mapping[str, float], where: str) -> dict[str, f
             raise ModelError(f"unknown key {key!r}", where=where, expected=expected, do=do)
     for key, parameter in allowed.items():
         if key in values and not parameter.low <= values[key] <= parameter.high:
-            raise ModelError(
-                f"{values[key]:g}{unit_suffix(parameter.unit)} is not believable",
-                where=f"{where}.{key}",
-                expected=f"{parameter.low:g} to {parameter.high:g}{unit_suffix(parameter.unit)}",
-            )
+            unit = unit_suffix(parameter.unit)
+            flaw = f"{values[key]:g}{unit} is not believable"
+            expected = f"{parameter.low:g} to {parameter.high:g}{unit}"
+            raise ModelError(flaw, where=f"{where}.{key}", expected=expected)
         if key not in values and parameter.default is None:
             expected = f"a value for {key!r}"
             raise ModelError(f"key {key!r} is missing", where=where, expected=expected)
-    return dict(values)

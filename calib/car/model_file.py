@@ -1,8 +1,8 @@
 """A model as a TOML file: pads, tyre, effects. `brake-cal manual diagnosis` shows a file.
 
-Where the file does not give pads or effects, those of the vehicle count; ``[effects]`` replaces all
-effects of the vehicle. Without ``[tyre]`` the tyre is that of wet asphalt. ``[own_effects.NAME]``
-has file and SHA-256 of an effect of the user.
+A file without pads or effects has those of the vehicle; ``[effects]`` replaces all effects of the
+vehicle. Without ``[tyre]`` the tyre is that of wet asphalt. ``[own_effects.NAME]`` has the Python
+file and the SHA-256 of an effect of the user.
 """
 
 from collections.abc import Mapping
@@ -13,103 +13,90 @@ from typing import Annotated, Any, Self
 
 from pydantic import Field, create_model, model_validator
 
+from calib.base import record
 from calib.base.errors import ModelError
-from calib.base.record import (
-    ByName,
-    FileSchema,
-    OneOf,
-    QuantityMark,
-    Section,
-    by_name,
-    section,
-    validated,
-)
 from calib.base.record_errors import wrong
 from calib.base.toml import load_toml, written_quantity
 from calib.base.write import write_whole
-from calib.car.effects.catalogue import (
-    CATALOGUE,
-    OwnEffect,
-    all_effects,
-    completed,
-    definition,
-    with_file,
-)
+from calib.car.effects import catalogue
+from calib.car.effects.catalogue import OwnEffect
 from calib.car.effects.effect import Effect
 from calib.car.effects.effects import DefinedIn, Effects, EmpiricalTerm
 from calib.car.effects.empirical import DRIVERS, PLACES
 from calib.car.model import WET_ASPHALT, Model, default_model
 from calib.car.vehicle import Vehicle
 
-_Friction = Annotated[float, QuantityMark("1", 0.02, 1.0)]
+_Friction = Annotated[float, record.QuantityMark("1", 0.02, 1.0)]
 
 
-class PadsSection(Section):
+class PadsSection(record.Section):
     """Pad friction of the axles; by default the nominal friction."""
 
     front: _Friction | None = None
     rear: _Friction | None = None
 
 
-class _TyreSection(Section):
+class _TyreSection(record.Section):
     """The tyre of both axles; by default that of wet asphalt."""
 
-    stiffness: Annotated[float, QuantityMark("1", 1.0, 100.0)] | None = None
-    peak: Annotated[float, QuantityMark("1", 0.02, 2.0)] | None = None
-    # with 1 the force stays at the peak, with 2 it falls to zero; the inverse holds only between
-    shape: Annotated[float, QuantityMark("1", 1.01, 1.99)] | None = None
-    load_exponent: Annotated[float, QuantityMark("1", -1.0, 1.0)] | None = None
-    bend: Annotated[float, QuantityMark("1", 0.0, 1.0)] | None = None
-    relaxation: Annotated[float, QuantityMark("m", 0.0, 2.0)] | None = None
-    peak_exponent: Annotated[float, QuantityMark("1", -1.0, 1.0)] | None = None
+    stiffness: Annotated[float, record.QuantityMark("1", 1.0, 100.0)] | None = None
+    peak: Annotated[float, record.QuantityMark("1", 0.02, 2.0)] | None = None
+    # with 1 the force stays at the peak, with 2 the force falls to zero
+    shape: Annotated[float, record.QuantityMark("1", 1.01, 1.99)] | None = None
+    load_exponent: Annotated[float, record.QuantityMark("1", -1.0, 1.0)] | None = None
+    bend: Annotated[float, record.QuantityMark("1", 0.0, 1.0)] | None = None
+    relaxation: Annotated[float, record.QuantityMark("m", 0.0, 2.0)] | None = None
+    peak_exponent: Annotated[float, record.QuantityMark("1", -1.0, 1.0)] | None = None
 
 
-class _EmpiricalSection(Section):
+class _EmpiricalSection(record.Section):
     """An empirical term, as in `EmpiricalTerm`: values at the knots of a driver, in SI."""
 
-    place: Annotated[str, OneOf(tuple(PLACES))]
-    driver: Annotated[str, OneOf(tuple(DRIVERS))]
+    place: Annotated[str, record.OneOf(tuple(PLACES))]
+    driver: Annotated[str, record.OneOf(tuple(DRIVERS))]
     knots: list[float]
     values: list[float]
 
     @model_validator(mode="after")
     def _is_a_curve(self) -> Self:
-        if len(self.knots) != len(self.values) or any(b <= a for a, b in pairwise(self.knots)):
+        is_increasing = all(b > a for a, b in pairwise(self.knots))
+        if len(self.knots) != len(self.values) or not is_increasing:
             raise wrong("knots and values do not fit", "as many of each, knots increasing")
         return self
 
 
-def _effects_section(effects: Mapping[str, Effect]) -> type[ByName]:
+def _effects_section(effects: Mapping[str, Effect]) -> type[record.ByName]:
+    """Return the schema of ``[effects]``, with an entry for each of these effects."""
     entries = {}
     for name, effect in effects.items():
         keys: dict[str, tuple[Any, Any]] = {}
         for p in effect.card.parameters:
-            kind = Annotated[float, QuantityMark(p.unit, p.low, p.high)]
+            kind = Annotated[float, record.QuantityMark(p.unit, p.low, p.high)]
             keys[p.name] = (kind, ... if p.default is None else p.default)
-        entries[name] = section(name, effect.card.cause, keys)
+        entries[name] = record.section(name, effect.card.cause, keys)
     about = "The whole list of effects; the vehicle's when left out."
-    return by_name("EffectsSection", entries, about)
+    return record.by_name("EffectsSection", entries, about)
 
 
-class _DefinedInSection(Section):
+class _DefinedInSection(record.Section):
     """The file of an effect of the user, as in `DefinedIn`."""
 
     file: str
     sha256: str = ""
 
 
-class _OwnEffects(Section, extra="ignore"):
-    """The key of a model file that is read first: it decides on the schema of the effects."""
+class _OwnEffects(record.Section, extra="ignore"):
+    """The first key of a model file to be read, since the schema of ``[effects]`` depends on it."""
 
     own_effects: dict[str, _DefinedInSection] = Field(default_factory=dict)
 
 
-class ModelFile(FileSchema):
+class ModelFile(record.FileSchema):
     """The model of a simulation, besides the vehicle."""
 
     pads: PadsSection = PadsSection()
     tyre: _TyreSection = _TyreSection()
-    effects: _effects_section(CATALOGUE) | None = None  # type: ignore[valid-type]
+    effects: _effects_section(catalogue.CATALOGUE) | None = None  # type: ignore[valid-type]
     own_effects: dict[str, _DefinedInSection] = Field(default_factory=dict)
     empirical: list[_EmpiricalSection] = Field(default_factory=list)
 
@@ -126,9 +113,10 @@ def read_model(path: Path, vehicle: Vehicle) -> Model:
     own_effects = _user_defined(document, vehicle.effects, path)
     schema: type[ModelFile] = ModelFile
     if own_effects:
-        effects: Any = _effects_section(all_effects(Effects(user_defined=own_effects))) | None
+        allowed = catalogue.all_effects(Effects(user_defined=own_effects))
+        effects: Any = _effects_section(allowed) | None
         schema = create_model("ModelFile", __base__=ModelFile, effects=(effects, None))
-    file = validated(document, schema, path, ModelError)
+    file = record.validated(document, schema, path, ModelError)
     base = default_model(vehicle)
     named = base.effects.parameters
     if file.effects is not None:
@@ -149,12 +137,15 @@ def read_model(path: Path, vehicle: Vehicle) -> Model:
 def _user_defined(
     document: Mapping[str, Any], effects: Effects, path: Path
 ) -> dict[str, DefinedIn]:
-    """Return the effects of the user by name. Raises ModelError if a file was not given."""
-    sections = validated(document, _OwnEffects, path, ModelError).own_effects
+    """Return the effects of the user by name: those of the file ``path``, and those given.
+
+    Raises ModelError if the Python file of an effect was not given, or has changed.
+    """
+    sections = record.validated(document, _OwnEffects, path, ModelError).own_effects
     defined = {name: DefinedIn(entry.file, entry.sha256) for name, entry in sections.items()}
     files = {name: x for name, x in effects.user_defined.items() if isinstance(x, OwnEffect)}
-    together = completed(defined, files, path)
-    return {name: with_file(name, effect, path) for name, effect in together.items()}
+    all_own = catalogue.with_files(defined, files, path)
+    return {name: catalogue.require_file(name, effect, path) for name, effect in all_own.items()}
 
 
 def write_model(model: Model, path: Path) -> None:
@@ -165,15 +156,11 @@ def write_model(model: Model, path: Path) -> None:
     import tomlkit
 
     effects = model.effects
-
-    def written(name: str, values: Mapping[str, float]) -> dict[str, str | float]:
-        parameters = definition(effects, name).card.parameters
-        return {
-            p.name: written_quantity(values[p.name], p.unit)
-            for p in parameters
-            if p.name in values or p.default is None
-        }
-
+    named: dict[str, dict[str, Any]] = {}
+    for name, values in effects.parameters.items():
+        card = catalogue.definition(effects, name).card
+        parameters = [p for p in card.parameters if p.name in values]
+        named[name] = {p.name: written_quantity(values[p.name], p.unit) for p in parameters}
     document: dict[str, Any] = {
         "schema": 1,
         "pads": {"front": model.pad_friction_f, "rear": model.pad_friction_r},
@@ -181,10 +168,10 @@ def write_model(model: Model, path: Path) -> None:
             name: written_quantity(value, "m" if name == "relaxation" else "1")
             for name, value in asdict(model.tyre).items()
         },
-        "effects": {name: written(name, values) for name, values in effects.parameters.items()},
+        "effects": named,
     }
     if effects.defined_in:
-        document["own_effects"] = {name: asdict(x) for name, x in effects.defined_in.items()}
+        document["own_effects"] = {name: asdict(file) for name, file in effects.defined_in.items()}
     if effects.terms:
         document["empirical"] = [
             {**asdict(t), "knots": list(t.knots), "values": list(t.values)} for t in effects.terms

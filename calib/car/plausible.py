@@ -40,19 +40,19 @@ _FIGURE_OF: dict[str, Callable[[Vehicle], float]] = {
     "front_biased_up_to": front_biased_up_to,
     "lock_efficiency": lambda car: lock_efficiency(car, _GOOD_ROAD),
 }
-"""Functions for the figures of `figures.csv`, each in the unit of its code."""
+"""Functions for the figures of `figures.csv` by code, in the unit of the code (`UNITS`)."""
 
 
 class _Figure(NamedTuple):
     """A figure of a car with its usual range."""
 
-    code: str  # of the warning, whose unit is that of the range
+    code: str  # of the warning
     value_of: Callable[[Vehicle], float]
-    low: float
+    low: float  # usual range, in the unit of the code
     high: float
     too_low: tuple[str, ...]  # likely causes of a value outside the range
     too_high: tuple[str, ...]
-    do: str
+    do: str  # remedy
 
 
 def _figure_of_key(key: VehicleKey) -> _Figure:
@@ -77,11 +77,9 @@ _FIGURES = (
 def vehicle_warnings(vehicle: Vehicle) -> tuple[PlausibilityWarning, ...]:
     """Return a warning for each figure outside its usual range, the values of the file first."""
     warnings = []
-    for figure in _FIGURES:
-        value, ends = figure.value_of(vehicle), (figure.low, finite_or_none(figure.high))
-        if not figure.low <= value <= figure.high:
-            causes = figure.too_low if value < figure.low else figure.too_high
-            warnings.append(
-                PlausibilityWarning(figure.code, vehicle.name, value, ends, causes, figure.do)
-            )
+    for code, value_of, low, high, too_low, too_high, do in _FIGURES:
+        value = value_of(vehicle)
+        if not low <= value <= high:
+            expected, causes = (low, finite_or_none(high)), too_low if value < low else too_high
+            warnings.append(PlausibilityWarning(code, vehicle.name, value, expected, causes, do))
     return tuple(warnings)

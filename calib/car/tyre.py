@@ -8,8 +8,8 @@
 
 F is the tyre force over the load F_z of the axle, lambda the slip. K and mu hold at a load of half
 the weight W. At the load F_z, the slip is multiplied by s = (2 F_z/W)^q and mu by (2 F_z/W)^-p. The
-bend b curves the formula at zero slip. In a brush model the end of the contact patch slides at the
-smallest slip: F = K lambda (1 - K lambda/(3 mu) + ...), which is the curvature of b = C/3.
+formula is straight near zero slip, and the bend b curves it there. A brush model has F = K lambda
+(1 - K lambda/(3 mu) + ...), since a part of its contact patch slides at any slip: this is b = C/3.
 
 This is the steady state. The force builds up over the relaxation length sigma, so the slip of the
 wheel is larger than the slip that carries the force by (sigma/v) dlambda/dt.
@@ -50,13 +50,13 @@ class MagicFormula:
         F is odd in the slip, and valid beyond the peak too, but not for a locked, hot wheel.
         """
         peak = self.peak_at(relative_load)
-        bx = self._without_bend(slip / self._load_factor(relative_load), peak)
+        bx = self._bx_at(slip / self._load_factor(relative_load), peak)
         return peak * np.sin(self.shape * np.arctan(bx))
 
     def slope(self, slip: Array, relative_load: Array | float = 1.0) -> Array:
         """dF/dlambda [1]: K/s at zero slip, zero at the peak, negative beyond it."""
         load_factor = self._load_factor(relative_load)
-        bx = self._without_bend(slip / load_factor, self.peak_at(relative_load))
+        bx = self._bx_at(slip / load_factor, self.peak_at(relative_load))
         return self._slope(bx, np.cos(self.shape * np.arctan(bx)), load_factor)
 
     def slip_at_force(
@@ -64,8 +64,7 @@ class MagicFormula:
     ) -> tuple[Array, Array, NDArray[np.bool_]]:
         """Slip [1] at the normalised ``force`` [1] on the rising branch, and dF/dlambda [1] there.
 
-        A force above the share ``edge`` of the peak is cut to this share; the third result is a
-        mask of such forces.
+        A force above the share ``edge`` of the peak is cut; the third result is a mask of them.
         """
         peak, load_factor = self.peak_at(relative_load), self._load_factor(relative_load)
         share = force / peak
@@ -73,13 +72,13 @@ class MagicFormula:
         sine = np.clip(share, -edge, edge) if is_beyond.any() else share
         bx = np.tan(np.arcsin(sine) / self.shape)
         slope = self._slope(bx, np.sqrt(1.0 - sine * sine), load_factor)
-        return self._with_bend(bx, peak, load_factor), slope, is_beyond
+        return self._slip_of(bx, peak, load_factor), slope, is_beyond
 
     def wheel_slip(self, slip: Array, v: Array, time: Array) -> Array:
         """Slip [1] (n,) of the wheel while ``slip`` (n,) carries the force, by the relaxation.
 
-        ``time`` [s] (n,); ``v`` [m/s] (n,) counts as at least `MOVING`. Valid for a lag that is
-        short against the changes of the slip; not near the peak, where the relaxation length falls.
+        ``time`` [s] (n,); ``v`` [m/s] (n,) counts as at least `MOVING`. Valid for slow changes of
+        the slip; not near the peak, where the relaxation length falls.
         """
         if self.relaxation == 0.0:
             return slip
@@ -89,7 +88,7 @@ class MagicFormula:
     def slip_at(self, fraction: float, relative_load: Array | float = 1.0) -> Array:
         """Slip [1] where C atan(B x) is this ``fraction`` of pi/2, its value at the peak."""
         bx = np.tan(0.5 * np.pi * fraction / self.shape)
-        return self._with_bend(bx, self.peak_at(relative_load), self._load_factor(relative_load))
+        return self._slip_of(bx, self.peak_at(relative_load), self._load_factor(relative_load))
 
     def on_surface(self, stiffness_factor: float, peak_factor: float) -> Self:
         """Return the tyre on another surface: stiffness and peak multiplied by factors [1]."""
@@ -104,14 +103,12 @@ class MagicFormula:
         without_bend = self.stiffness / load_factor * cosine / (1.0 + bx * bx)
         return np.asarray(without_bend / (1.0 + 2.0 * self.bend * np.abs(bx)))
 
-    def _without_bend(self, slip: Array, peak: Array | float) -> Array:
+    def _bx_at(self, slip: Array, peak: Array | float) -> Array:
         """B x at the ``slip`` over s, from (1 + b B x) B x = B slip in a form that allows b = 0."""
         b_slip = self._b(peak) * slip
         return b_slip * 2.0 / (1.0 + np.sqrt(1.0 + 4.0 * self.bend * np.abs(b_slip)))
 
-    def _with_bend(
-        self, bx: Array | float, peak: Array | float, load_factor: Array | float
-    ) -> Array:
+    def _slip_of(self, bx: Array | float, peak: Array | float, load_factor: Array | float) -> Array:
         x = bx * (1.0 + self.bend * np.abs(bx)) / self._b(peak)
         return np.asarray(x * load_factor)
 

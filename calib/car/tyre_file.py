@@ -26,6 +26,7 @@ from calib.base.bounded import TYRE, bytes_of
 from calib.base.digest import file_digest
 from calib.base.errors import TyreError
 
+# range for tyres of cars and vans, and default value (... if there is none) of each key
 _SCALE, _ANY = (0.1, 10.0, 1.0), (-math.inf, math.inf, 0.0)
 _KEYS = {
     "FNOMIN": (500.0, 30000.0, ...), "LFZO": _SCALE,
@@ -36,14 +37,13 @@ _KEYS = {
     "UNLOADED_RADIUS": _ANY, "VERTICAL_STIFFNESS": _ANY,
     "DREFF": _ANY, "BREFF": _ANY, "FREFF": _ANY,
 }  # fmt: skip
-"""Keys that are read: range for tyres of cars and vans, default value (... if there is none)."""
 
 _UNITS = {"FORCE": ("newton", "newtons", "n"), "LENGTH": ("meter", "meters", "metre", "m")}
 """Keys of the units, and the values with which the file is in SI."""
 
 _FAR = 3.0  # load over the nominal load, or the inverse, beyond which the polynomials fail
 _KIND = "a tyre property file (.tir) of the Magic Formula 5.2, 6.1 or 6.2 (PAC2002, MF-Tyre)"
-_LINE = re.compile(r"^[ \t]*(\w++)[ \t]*=[ \t]*'?([^\s$!']+)", re.MULTILINE)
+_LINE = re.compile(r"^[ \t]*(\w++)[ \t]*=[ \t]*'?([^\s$!']+)", re.MULTILINE)  # KEY = value
 
 
 @dataclass(frozen=True)
@@ -64,16 +64,17 @@ class TyreFile:
 
         Raises TyreError if the load or a result is not that of a usual tyre.
         """
-        k, d = self.keys, self.over_nominal(load) - 1.0
+        k, over_nominal = self.keys, self.over_nominal(load)
+        d = over_nominal - 1.0
         stiffness = (k["PKX1"] + k["PKX2"] * d) * math.exp(k["PKX3"] * d) * k["LKX"]
         peak = (k["PDX1"] + k["PDX2"] * d) * k["LMUX"]
         is_usual_tyre = 2.0 < stiffness < 200.0 and 0.1 < peak < 3.0
-        if not (is_usual_tyre and 1.0 / _FAR < d + 1.0 < _FAR):
+        if not (is_usual_tyre and 1.0 / _FAR < over_nominal < _FAR):
             raise TyreError(
                 f"at {load:.0f} N, the load of a wheel of this car, stiffness over load is "
                 f"{stiffness:.3g} and the peak {peak:.3g}",
                 where=self.source,
-                expected=f"a load within a third and three times {load / (d + 1.0):.0f} N, a "
+                expected=f"a load within a third and three times {load / over_nominal:.0f} N, a "
                 "stiffness of 2 to 200, and a peak of 0.1 to 3",
                 do="give the file of a tyre of this car; check FNOMIN and the scale factors",
             )
@@ -85,14 +86,15 @@ class TyreFile:
         C = k["PCX1"] * k["LCX"]
         E = (k["PEX1"] + k["PEX2"] * d + k["PEX3"] * d * d) * (1.0 + k["PEX4"]) * k["LEX"]
         x = np.linspace(0.0, 20.0, 4001)  # B slip, with B = K/(C mu)
-        force = np.sin(C * np.arctan(x - min(E, 1.0) * (x - np.arctan(x))))
-        peak = int(np.argmax(force)) + 1
-        return force[:peak], C * x[:peak]
+        force = np.sin(C * np.arctan(x - min(E, 1.0) * (x - np.arctan(x))))  # E > 1 is no tyre
+        count = int(np.argmax(force)) + 1  # of samples up to the peak
+        return force[:count], C * x[:count]
 
     def radius_load(self, load: float) -> float | None:
-        """-dR_e/dF_z F_z/R_0 [1] at a wheel ``load`` F_z [N]; None if the file lacks its keys."""
+        """-dR_e/dF_z F_z/R_0 [1] at a wheel ``load`` F_z [N]; None if keys of R_e are missing."""
         k, over_nominal = self.keys, self.over_nominal(load)
-        if not all(k[n] > 0.0 for n in ("UNLOADED_RADIUS", "VERTICAL_STIFFNESS", "BREFF", "DREFF")):
+        needed = ("UNLOADED_RADIUS", "VERTICAL_STIFFNESS", "BREFF", "DREFF")
+        if not all(k[key] > 0.0 for key in needed):
             return None
         slope = k["DREFF"] * k["BREFF"] / (1.0 + (k["BREFF"] * over_nominal) ** 2) + k["FREFF"]
         return load / k["VERTICAL_STIFFNESS"] * slope / k["UNLOADED_RADIUS"]
@@ -110,8 +112,8 @@ def _read(path: Path | str) -> TyreFile:
     schema = section("TyreKeys", "The keys of a tyre property file that are read.", keys)
     text = bytes_of(Path(path), TYRE, TyreError, _KIND).decode("latin-1")
     entries = {key.upper(): value.lower() for key, value in _LINE.findall(text)}
-    written = {key: entries[key] for key in keys if key in entries}
-    values = validated(written, schema, path, TyreError).model_dump(exclude={*_UNITS})
+    braking = {key: value for key, value in entries.items() if key in keys}
+    values = validated(braking, schema, path, TyreError).model_dump(exclude={*_UNITS})
     return TyreFile(Path(path).stem, str(path), file_digest(Path(path)), values)
 
 

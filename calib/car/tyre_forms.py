@@ -1,12 +1,12 @@
-"""Forms of tyre curves, of which a fit takes a weighted mean, each as its inverse in closed form.
+"""Forms of tyre curves as functions of the force. A fit takes a weighted mean of the forms.
 
     slip = c m X(u)        u = F/m,  X(u) -> u as u -> 0        0 <= u < 1
 
 with the compliance c = slip/F at small slip, the peak m and the normalised force F (similarity
 method: Pacejka, Tyre and Vehicle Dynamics, ch. 4). From a third of the peak on, real tyres lie
-between these forms. Valid on the rising branch only. The left formula is F/m over x = slip/(c m),
-the right one its inverse X(u).
+between these forms. Valid on the rising branch only.
 
+    form           F/m over x = slip/(c m)    its inverse X(u)
     brush          1 - (1 - x/3)^3            3 (1 - (1 - u)^(1/3))
     exponential    1 - e^-x                   -ln(1 - u)                    Burckhardt, rising part
     Dugoff         x, then 1 - 1/(4 x)        u, then 1/(4 (1 - u))         Dugoff et al. 1970
@@ -18,10 +18,8 @@ import numpy as np
 
 from calib.base.arrays import Array
 
-FORMS = ("brush", "exponential", "dugoff", "magic_sharp", "magic_round")
-"""Names of the forms, in the order of `inverse_forms`."""
-
-NEAR_PEAK = 0.97  # share of its peak above which a tyre counts as sliding [1]
+FORMS = ("brush", "exponential", "dugoff", "magic_sharp", "magic_round")  # as in `inverse_forms`
+NEAR_PEAK = 0.97  # share u of the peak above which a tyre counts as sliding [1]
 
 
 def inverse_forms(share: Array) -> Array:
@@ -53,19 +51,19 @@ _RISES = np.diff(_X_OVER_U, axis=1)  # (5, _CELLS)
 
 
 def mean_inverse(share: Array, weights: Array) -> Array:
-    """Return X of n tyres, whose forms have ``weights`` (n, 5), at ``share`` (..., n, k) [1].
+    """Return X of n tyres, whose forms have ``weights`` (n, 5), at ``share`` u (..., n, k) [1].
 
-    X is an odd function of the share. X/u is interpolated linearly over the root of 1 - u, which is
-    faster than the forms themselves, with a relative error below 1e-5.
+    X is odd in u. X/u is interpolated linearly over the root of 1 - u, which is faster than the
+    forms themselves, with a relative error below 1e-5.
     """
     u = np.minimum(np.abs(share), NEAR_PEAK)
-    place = (1.0 - np.sqrt(1.0 - u)) * (_CELLS / (1.0 - _Q_END))  # in cells from u = 0
-    cell = np.minimum(place.astype(np.int64), _CELLS - 1)
-    place -= cell
+    position = (1.0 - np.sqrt(1.0 - u)) * (_CELLS / (1.0 - _Q_END))  # in cells from u = 0
+    cell = np.minimum(position.astype(np.int64), _CELLS - 1)
+    position -= cell  # within the cell, 0 to 1
     mean = np.zeros_like(u)
     for x_over_u, rises, weight in zip(_X_OVER_U, _RISES, weights.T, strict=True):
         form = rises.take(cell)  # operations in place keep one form in the cache
-        form *= place
+        form *= position
         form += x_over_u.take(cell)
         form *= weight[:, None]
         mean += form

@@ -90,10 +90,9 @@ class Vehicle:
         return replace(self, front=front_axle, rear=replace(self.rear, pad_friction=rear))
 
     def radius_mismatch(self, eta_zero: float) -> float:
-        """True ratio of front to rear radius over the ratio of the file, less one [1].
+        """True ratio of front to rear rolling radius over that of this vehicle, less one [1].
 
-        The true ratio is that of rear to front wheel speed while the car rolls freely;
-        ``eta_zero`` is that ratio of speeds, less one.
+        ``eta_zero`` is omega_r/omega_f - 1 in free rolling, when the true ratio is omega_r/omega_f.
         """
         return (1.0 + eta_zero) * self.rear.rolling_radius / self.front.rolling_radius - 1.0
 
@@ -109,24 +108,21 @@ def require_same_car(
 ) -> None:
     """Raise VehicleError if ``other`` differs from a table's ``car`` in more than pads and effects.
 
-    ``where`` names the file of ``other``. The mass may differ if it was ``weighed``.
+    ``where`` names the file of ``other``. The mass may differ, too, if ``other`` was ``weighed``.
     """
     may_differ = {*UNCERTAINTIES, "front.pad_friction", "rear.pad_friction"}
     if weighed:
         may_differ.add("mass")
-    expected, actual = _numbers(car), _numbers(other)
+    of_table, actual = _numbers(car), _numbers(other)
     differences = [
         f"{key} {actual[key]:.6g} for {value:.6g}"
-        for key, value in expected.items()
+        for key, value in of_table.items()
         if key not in may_differ and actual[key] != value
     ]
     if differences:
-        raise VehicleError(
-            f"the table was fitted for another car: {', '.join(differences[:4])}",
-            where=other.name if where is None else where,
-            expected="a vehicle with other pads only",
-            do="fit a table for this car",
-        )
+        flaw = f"the table was fitted for another car: {', '.join(differences[:4])}"
+        expected, do = "a vehicle with other pads only", "fit a table for this car"
+        raise VehicleError(flaw, where=where or other.name, expected=expected, do=do)
 
 
 def _numbers(car: Vehicle) -> dict[str, float]:

@@ -15,13 +15,13 @@ from calib.car.keys import CHASSIS, FRONT, KEYS
 from calib.car.vehicle import Axle, Vehicle
 
 
-def _name(name: str) -> str:
+def _require_table_name(name: str) -> str:
     if not names_a_table(name):  # the name of a vehicle is that of its tables
         raise wrong(f"{name!r} cannot name a table", TABLE_NAMES)
     return name
 
 
-def _whole(number: float) -> int:
+def _require_whole(number: float) -> int:
     if number != int(number):
         raise wrong(f"{number:g}", "a whole number: 2 for a disc brake")
     return int(number)
@@ -34,32 +34,28 @@ def _keys_of(section_name: str) -> dict[str, tuple[Any, Any]]:
         if key.section == section_name:
             kind: Any = Annotated[float, QuantityMark(si_of(key.unit), key.least, key.most)]
             if key.name == "friction_faces":
-                kind = Annotated[kind, AfterValidator(_whole)]
+                kind = Annotated[kind, AfterValidator(_require_whole)]
             keys[key.name] = (kind, key.default if key.optional else ...)
     return keys
 
 
-class _Chassis(Section):
+class _Chassis(Section):  # the keys follow in `_ChassisSection`
     @model_validator(mode="after")
     def _is_low_enough(self: Any) -> Any:
         height, wheelbase = self.cg_height, self.cg_to_front_axle + self.cg_to_rear_axle
         if height >= wheelbase:
-            raise wrong(
-                f"cg_height {height:g} m is not below the wheelbase {wheelbase:g} m",
-                "cg_height < cg_to_front_axle + cg_to_rear_axle",
-            )
+            flaw = f"cg_height {height:g} m is not below the wheelbase {wheelbase:g} m"
+            raise wrong(flaw, "cg_height < cg_to_front_axle + cg_to_rear_axle")
         return self
 
 
-class _Axle(Section):
+class _Axle(Section):  # the keys follow in `_AxleSection`
     @model_validator(mode="after")
     def _disc_fits(self: Any) -> Any:
         disc, wheel = self.effective_radius, self.rolling_radius
         if disc >= wheel:
-            raise wrong(
-                f"effective_radius {disc:g} m is not below rolling_radius {wheel:g} m",
-                "a disc that fits into the wheel",
-            )
+            flaw = f"effective_radius {disc:g} m is not below rolling_radius {wheel:g} m"
+            raise wrong(flaw, "a disc that fits into the wheel")
         return self
 
 
@@ -77,7 +73,7 @@ class VehicleFile(FileSchema):
     The names of effects are not checked here: `calib.car.model.default_model` does so.
     """
 
-    name: Annotated[str, AfterValidator(_name)]
+    name: Annotated[str, AfterValidator(_require_table_name)]
     chassis: _ChassisSection
     front: _AxleSection
     rear: _AxleSection

@@ -1,6 +1,6 @@
 """Effects of the body (drag, grade, mass, pitch) and of the sensors.
 
-Air drag F moves load between the axles according to the height at which it acts:
+Air drag F transfers load between the axles according to the height at which F acts:
 
     at the road                     load_share = 1     load transfer (6), (7) as in the paper
     at the centre of gravity        load_share = 0     only tyre forces transfer load
@@ -20,7 +20,7 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.base.names import G
-from calib.car.effects.effect import Parameters, effect
+from calib.car.effects.effect import Parameters, effect, sides
 from calib.car.history import Motion, RunHistory
 from calib.car.lag import second_order
 from calib.car.vehicle import Vehicle
@@ -33,11 +33,8 @@ def _drag(parameters: Parameters, v: Array) -> Array:
     return np.asarray(0.5 * AIR_DENSITY * parameters["drag_area"] * v**2)
 
 
-def _drag_height(vehicle: Vehicle, parameters: Parameters, history: RunHistory) -> Array:
-    """Load transfer over W [1] that (6) overstates, since the drag acts above the road.
-
-    It is (1 - s) F h/(W L), where s is the ``load_share``.
-    """
+def _drag_load(vehicle: Vehicle, parameters: Parameters, history: RunHistory) -> Array:
+    """(1 - s) F h/(W L) [1] with the ``load_share`` s: load over W by which (6) is too large."""
     share = parameters.get("load_share", 1.0)
     transfer_per_force = vehicle.cg_height / (vehicle.weight * vehicle.wheelbase)  # h/(W L) [1/N]
     return (1.0 - share) * transfer_per_force * _drag(parameters, history.v)
@@ -49,10 +46,7 @@ def _grade(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Array:
 
 
 def _on_grade(vehicle: Vehicle, parameters: Parameters, history: RunHistory, a_x: Array) -> Array:
-    """Reading of a_x on a grade.
-
-    A sensor feels gravity (``felt`` = 1); an a_x that was made of a speed does not (``felt`` = 0).
-    """
+    """Reading of a_x: ``felt`` is 1 for a sensor, 0 for an a_x that was computed from a speed."""
     return a_x + parameters["felt"] * G * parameters["grade"]
 
 
@@ -73,33 +67,40 @@ def _body_mode(parameters: Parameters, history: RunHistory) -> Array:
     return second_order(history.time, history.z, frequency, damping)
 
 
-def _nose_down(vehicle: Vehicle, parameters: Parameters, history: RunHistory, a_x: Array) -> Array:
+def _pitched(vehicle: Vehicle, parameters: Parameters, history: RunHistory, a_x: Array) -> Array:
     """Reading of an a_x sensor that pitches with the body, and so feels gravity; small angles."""
-    share = parameters["elastic_share"] * parameters["pitch_gradient"]
-    return a_x - G * (share * _body_mode(parameters, history))
+    angle_per_z = parameters["elastic_share"] * parameters["pitch_gradient"]  # e k [rad]
+    return a_x - G * (angle_per_z * _body_mode(parameters, history))
 
 
-def _filtered(parameters: Parameters) -> tuple[float, float]:
-    """T [s] and S = q T^2 [s^2] of the reading's lag; q is ``filter_bend``, 0 if not given."""
+def _filter(parameters: Parameters) -> tuple[float, float]:
+    """T [s] and S = q T^2 [s^2] of the lag of a_x, see `Effect`; q is ``filter_bend``, or 0."""
     T = parameters["filter_time"]
     return T, parameters.get("filter_bend", 0.0) * T**2
+
+
+def _scaled(vehicle: Vehicle, parameters: Parameters, history: RunHistory, a_x: Array) -> Array:
+    return a_x * (1.0 + parameters["scale_error"])
+
+
+def _biased(vehicle: Vehicle, parameters: Parameters, history: RunHistory, a_x: Array) -> Array:
+    return a_x + parameters["bias"]
 
 
 def _runout(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> dict[str, Array]:
     """Factors [1] on the front wheel speeds from the runout of their tone rings, one wave a turn.
 
-    ``runout_side`` is 1 for the left ring only, -1 for the right ring only, 0 for both in step. The
-    phase is that of `RunHistory.ripple`. Not valid for a damaged tooth, which gives a spike.
+    Both rings are in step, or `sides` gives one of them alone. `RunHistory.ripple` has the phase.
+    Not valid for a damaged tooth, which gives a spike.
     """
-    a, side = parameters["runout"], parameters["runout_side"]
-    wave = a * motion.history.ripple(parameters["runout_phase"])
-    left, right = min(1.0, 1.0 + side), min(1.0, 1.0 - side)
+    wave = parameters["runout"] * motion.history.ripple(parameters["runout_phase"])
+    left, right = sides(parameters["runout_side"])
     return {"fl": 1.0 - left * wave, "fr": 1.0 - right * wave}
 
 
 AERODYNAMIC_DRAG = effect(
     "aerodynamic_drag",
-    load_shift=_drag_height,
+    load_shift=_drag_load,
     body_force=lambda vehicle, parameters, motion: _drag(parameters, motion.v),
 )
 EFFECTS = (
@@ -107,16 +108,11 @@ EFFECTS = (
     # the centre of gravity stays where it is
     effect("mass_error", mass=lambda parameters: 1.0 + parameters["mass_error"]),
     effect("road_grade", body_force=_grade, accelerometer=_on_grade),
-    effect("pitch_coupling", load_shift=_lagging_load, accelerometer=_nose_down),
+    effect("pitch_coupling", load_shift=_lagging_load, accelerometer=_pitched),
     # effects of sensors, which do not change the motion of the car
-    effect(
-        "accelerometer_scale",
-        accelerometer=lambda vehicle, own, history, a_x: a_x * (1.0 + own["scale_error"]),
-    ),
-    effect(
-        "accelerometer_bias", accelerometer=lambda vehicle, own, history, a_x: a_x + own["bias"]
-    ),
-    effect("accelerometer_lag", accelerometer_lag=_filtered),
+    effect("accelerometer_scale", accelerometer=_scaled),
+    effect("accelerometer_bias", accelerometer=_biased),
+    effect("accelerometer_lag", accelerometer_lag=_filter),
     effect("speed_delay", speed_delay=lambda parameters: parameters["v_delay"]),
     effect("wheel_speed_delay", wheel_speed_delay=lambda parameters: parameters["omega_delay"]),
     effect("tone_ring_runout", wheel_speed=_runout),

@@ -2,8 +2,8 @@
 
 An effect of the catalogue is an entry of `EFFECTS` in `hydraulics`, `pads`, `wheels` or `body`, in
 the order in which the effects act. Its card is in `cards.csv`, its parameters in `parameters.csv`.
-Effects of the user are in the `Effects` of a vehicle or a model, as an `OwnEffect` if their file
-was given; `calib.car.effects.effect_file` reads the file.
+An effect of the user is in `Effects.user_defined` of a vehicle or a model: as an `OwnEffect` if its
+file was given and read (`calib.car.effects.effect_file`), else as a `DefinedIn`.
 """
 
 from collections.abc import Iterable, Mapping
@@ -44,13 +44,11 @@ def definition(effects: Effects, name: str) -> Effect:
     Raises ModelError for an unknown name, and for an effect of the user without its file.
     """
     if name in effects.user_defined:
-        return with_file(name, effects.user_defined[name]).effect
+        return require_file(name, effects.user_defined[name]).effect
     if name not in CATALOGUE:
-        raise ModelError(
-            f"unknown effect {name!r}",
-            expected=f"one of {', '.join(CATALOGUE)}",
-            do="see calib/car/effects; give --effect FILE.py for one of your own",
-        )
+        expected = f"one of {', '.join(CATALOGUE)}"
+        do = "see calib/car/effects; give --effect FILE.py for one of your own"
+        raise ModelError(f"unknown effect {name!r}", expected=expected, do=do)
     return CATALOGUE[name]
 
 
@@ -60,51 +58,43 @@ def all_effects(effects: Effects) -> dict[str, Effect]:
     return CATALOGUE | {name: x.effect for name, x in defined if isinstance(x, OwnEffect)}
 
 
-def with_file(name: str, defined: DefinedIn, where: object = None) -> OwnEffect:
+def require_file(name: str, defined: DefinedIn, where: object = None) -> OwnEffect:
     """Return an effect of the user. Raises ModelError if its file was not given."""
     if isinstance(defined, OwnEffect):
         return defined
-    raise ModelError(
-        f"the effect {name!r} is defined in {defined.file}, which was not given",
-        where=where,
-        do=f"give --effect {defined.file}, with its folder; diagnose, simulate, fit and validate "
-        "have this option",
-    )
+    flaw = f"the effect {name!r} is defined in {defined.file}, which was not given"
+    option = f"--effect {defined.file}, with its folder"
+    do = f"give {option}; diagnose, simulate, fit and validate have this option"
+    raise ModelError(flaw, where=where, do=do)
 
 
 def with_own(vehicle: Vehicle, own_effects: Iterable[OwnEffect]) -> Vehicle:
     """Return the vehicle with these effects of the user, which do not yet act.
 
-    Raises ModelError for two effects of one name, and for a file that has changed since the
-    parameters of its effect were fitted.
+    Raises ModelError for two effects of one name, and for a file that has changed since its fit.
     """
     files: dict[str, OwnEffect] = {}
     for effect in own_effects:
         if effect.name in files:
-            raise ModelError(
-                f"the effect {effect.name!r} is also defined in {files[effect.name].file}",
-                where=effect.file,
-                expected="another name",
-            )
+            flaw = f"the effect {effect.name!r} is also defined in {files[effect.name].file}"
+            raise ModelError(flaw, where=effect.file, expected="another name")
         files[effect.name] = effect
-    defined = completed(vehicle.effects.user_defined, files, vehicle.name)
+    defined = with_files(vehicle.effects.user_defined, files, vehicle.name)
     return replace(vehicle, effects=replace(vehicle.effects, user_defined=defined))
 
 
-def completed(
+def with_files(
     defined: Mapping[str, DefinedIn], files: Mapping[str, DefinedIn], where: object
 ) -> dict[str, DefinedIn]:
-    """Return the ``defined`` effects with the given ``files``, both by name of the effect.
+    """Return the ``defined`` effects, replaced by or joined with ``files``; both by effect.
 
     Raises ModelError for a file that has changed since the effect was defined.
     """
     for name, given_file in files.items():
         earlier = defined.get(name, given_file)
         if earlier.sha256 and earlier.sha256 != given_file.sha256:
-            raise ModelError(
-                f"{given_file.file} has changed since the parameters of {name!r} were found",
-                where=where,
-                expected=f"the file with the SHA-256 {earlier.sha256[:12]}...",
-                do="take that file, or fit or diagnose again",
-            )
+            flaw = f"{given_file.file} has changed since the parameters of {name!r} were found"
+            expected = f"the file with the SHA-256 {earlier.sha256[:12]}..."
+            do = "take that file, or fit or diagnose again"
+            raise ModelError(flaw, where=where, expected=expected, do=do)
     return {**defined, **files}

@@ -22,6 +22,13 @@ from calib.car.vehicle import Vehicle
 
 _NO_LAG = 1e-6  # time constant [s] that counts as no lag: far less than a sample time
 
+_NOT_SENSED = {
+    "temperature": "the temperature of the discs",
+    "elapsed": "when the run began",
+    "distance": "where the run began",
+}
+"""Signal that an ECU lacks, by the driver of an empirical term."""
+
 
 def on_links(effects: Effects, links: tuple[str, ...]) -> Effects:
     """Return the effects and terms on these links. Raises ModelError for an unknown effect."""
@@ -31,7 +38,7 @@ def on_links(effects: Effects, links: tuple[str, ...]) -> Effects:
 
 
 def not_sensed(effects: Effects) -> dict[str, str]:
-    """Return the effects that an ECU cannot take out, each with the signal that the ECU lacks.
+    """Return the signal that an ECU lacks, by effect or term that the ECU cannot take out.
 
     An effect of the user whose file was not given is left out.
     """
@@ -48,14 +55,6 @@ def sensed(effects: Effects) -> Effects:
     return replace(effects.without(*excluded), terms=terms)
 
 
-_NOT_SENSED = {
-    "temperature": "the temperature of the discs",
-    "elapsed": "when the run began",
-    "distance": "where the run began",
-}
-"""Signal that an ECU lacks, by the driver of a term."""
-
-
 def _name_of(term: EmpiricalTerm) -> str:
     return f"{term.place}:{term.driver}"
 
@@ -67,9 +66,9 @@ def _hooks(
 
     ``names`` are effects in the order in which they act, by default all effects and then the terms.
     """
-    named = effects.names if names is None else names
+    acting_names = effects.names if names is None else [name for name in names if name in effects]
     acting: list[tuple[Effect, Parameters]] = [
-        (definition(effects, name), effects.parameters[name]) for name in named if name in effects
+        (definition(effects, name), effects.parameters[name]) for name in acting_names
     ]
     if names is None:
         acting += [(effect_of(term), {}) for term in effects.terms]
@@ -86,11 +85,11 @@ def as_driven(vehicle: Vehicle, effects: Effects) -> Vehicle:
         factor_f, factor_r = radius(parameters)
         front, rear = front.with_radius(factor_f), rear.with_radius(factor_r)
     for inertia, parameters in _hooks(effects, "inertia"):
-        more_f, more_r = inertia(parameters)
-        front = replace(front, wheel_inertia=front.wheel_inertia + more_f)
-        rear = replace(rear, wheel_inertia=rear.wheel_inertia + more_r)
-    for factor, parameters in _hooks(effects, "mass"):
-        mass *= factor(parameters)
+        extra_f, extra_r = inertia(parameters)
+        front = replace(front, wheel_inertia=front.wheel_inertia + extra_f)
+        rear = replace(rear, wheel_inertia=rear.wheel_inertia + extra_r)
+    for mass_factor, parameters in _hooks(effects, "mass"):
+        mass *= mass_factor(parameters)
     return replace(vehicle, front=front, rear=rear, mass=mass)
 
 
@@ -129,9 +128,8 @@ def wheel_factors(effects: Effects, history: RunHistory) -> dict[str, Array]:
 
 def wheel_speed_factors(vehicle: Vehicle, effects: Effects, motion: Motion) -> dict[str, Array]:
     """Factors [1] (n,) on the wheel speeds as read, by wheel; only of wheels that are changed."""
-    return _product(
-        hook(vehicle, parameters, motion) for hook, parameters in _hooks(effects, "wheel_speed")
-    )
+    hooks = _hooks(effects, "wheel_speed")
+    return _product(hook(vehicle, parameters, motion) for hook, parameters in hooks)
 
 
 def _product(mappings: Iterator[Mapping[str, Array]]) -> dict[str, Array]:
@@ -144,17 +142,15 @@ def _product(mappings: Iterator[Mapping[str, Array]]) -> dict[str, Array]:
 
 def total_load_shift(vehicle: Vehicle, effects: Effects, history: RunHistory) -> Array:
     """Sum of the loads that are shifted from the front to the rear axle, over W [1] (n,)."""
-    shifts = (
-        hook(vehicle, parameters, history) for hook, parameters in _hooks(effects, "load_shift")
-    )
+    hooks = _hooks(effects, "load_shift")
+    shifts = (hook(vehicle, parameters, history) for hook, parameters in hooks)
     return np.asarray(sum(shifts, 0.0 * history.z))
 
 
 def total_body_force(vehicle: Vehicle, effects: Effects, motion: Motion) -> Array:
     """Sum of the forces that slow the body directly [N] (n,)."""
-    forces = (
-        hook(vehicle, parameters, motion) for hook, parameters in _hooks(effects, "body_force")
-    )
+    hooks = _hooks(effects, "body_force")
+    forces = (hook(vehicle, parameters, motion) for hook, parameters in hooks)
     return np.asarray(sum(forces, 0.0 * motion.v))
 
 
@@ -178,7 +174,7 @@ def as_read(vehicle: Vehicle, effects: Effects, history: RunHistory, a_x: Array)
 
 
 def as_sensed(vehicle: Vehicle, effects: Effects, history: RunHistory, a_x: Array) -> Array:
-    """Reading of the accelerometer [m/s^2] (n,), if it had no lag, at the true ``a_x`` (n,)."""
+    """Reading of an accelerometer without lag [m/s^2] (n,) at the true ``a_x`` (n,)."""
     names = (*catalogue.SENSOR_EFFECTS, *effects.user_defined)
     for hook, parameters in _hooks(effects, "accelerometer", names):
         a_x = hook(vehicle, parameters, history, a_x)
@@ -186,12 +182,11 @@ def as_sensed(vehicle: Vehicle, effects: Effects, history: RunHistory, a_x: Arra
 
 
 def accelerometer_lag(effects: Effects) -> float:
-    """Sum of T of `Effect` over the effects [s]: how late a slow acceleration is read."""
-    return sum(
-        (hook(parameters)[0] for hook, parameters in _hooks(effects, "accelerometer_lag")), 0.0
-    )
+    """Time [s] by which a slow acceleration is read late: the sum of T of `Effect`."""
+    hooks = _hooks(effects, "accelerometer_lag")
+    return sum((time_constants(parameters)[0] for time_constants, parameters in hooks), 0.0)
 
 
 def reading_delay(effects: Effects, link: str) -> float:
     """Time [s] by which v (``speed_delay``) or all wheels (``wheel_speed_delay``) are read late."""
-    return sum((hook(parameters) for hook, parameters in _hooks(effects, link)), 0.0)
+    return sum((delay(parameters) for delay, parameters in _hooks(effects, link)), 0.0)

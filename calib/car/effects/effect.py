@@ -1,16 +1,14 @@
 """An effect: a card that describes it, and functions that add it to the computation of a braking.
 
-Such a function is a hook, and acts on one link of this chain of computation; the upper line has the
-links, the lower one what they act on:
+Such a function is a hook. It acts on one link of this chain of computation. The upper line has the
+links, which are fields of `Effect`, the lower line says what a link computes:
 
     p_mc -> pressure -> friction -> wheels -> axle_moment -> tyre -> body_force -> accelerometer
             caliper     pads        left,     wheels         slip    car           a_x as read
                                     right
 
-Further hooks change numbers of the car (``inertia``, ``radius``, ``mass``, ``load_shift``) and what
-is read of wheels and v (``wheel_speed``, ``wheel_speed_delay``, ``speed_delay``).
-
-The values of the parameters are in `calib.car.effects.effects.Effects`.
+Further links are numbers of the car (``inertia``, ``radius``, ``mass``, ``load_shift``) and the
+readings of other sensors (``wheel_speed``, ``wheel_speed_delay``, ``speed_delay``).
 """
 
 import math
@@ -26,7 +24,7 @@ from calib.car.beliefs import SENSOR
 from calib.car.history import Motion, RunHistory
 from calib.car.vehicle import Vehicle
 
-Parameters = Mapping[str, float]  # values [SI] of an effect's parameters by name
+Parameters = Mapping[str, float]  # values [SI] of an effect's parameters by name, as in `Effects`
 Pair = tuple[Array, Array]  # values of the front and of the rear axle
 
 _NAME = re.compile("[a-z][a-z0-9_]*")
@@ -49,14 +47,13 @@ class Parameter:
         """Raise ValueError for a name, unit or range with which no fit could search."""
         if not _NAME.fullmatch(self.name):
             raise ValueError(f"{self.name!r} is no name_of_words")
-        values = (self.typical, self.typical if self.default is None else self.default)
-        is_range = all(self.low <= value <= self.high for value in values)
         if self.unit not in QUANTITIES:
             raise ValueError(f"{self.name}: unit {self.unit!r} is none of {', '.join(QUANTITIES)}")
+        values = (self.typical, self.typical if self.default is None else self.default)
+        is_range = all(self.low <= value <= self.high for value in values)
         if not (is_range and 0.0 < self.spread < self.high - self.low < math.inf):
-            raise ValueError(
-                f"{self.name}: not low <= typical, default <= high and 0 < spread < high - low"
-            )
+            expected = "low <= typical, default <= high and 0 < spread < high - low"
+            raise ValueError(f"{self.name}: not {expected}")
 
 
 @dataclass(frozen=True)
@@ -91,41 +88,38 @@ class Card:
 class Effect:
     """An effect: one hook for each link on which it acts, None for every other link.
 
-    Attributes
-    ----------
-    card : description for the user.
-    pressure : pressures of the front and the rear calipers [Pa] from the pressures before this
-        effect; reads only ``time`` and ``p_mc`` of the history.
-    friction : factors on the pad friction of both axles [1] at the caliper pressures.
-    wheels : factors [1] on the brake torque by wheel, for the wheels of axles whose sides differ.
-    axle_moment : moment on the wheels besides the brake [N m per axle], positive when it slows.
-    inertia : inertia that is added to one wheel, front and rear [kg m^2].
-    radius : factors on the front and the rear rolling radius [1].
-    load_shift : load over W [1] to take from the front axle of (6) and to add to the rear one.
-    body_force : force on the body [N], positive when it slows.
-    wheel_speed : factors [1] by wheel on wheel speeds as read; no force changes.
-    mass : factor on the mass [1].
-    accelerometer : reading of a_x from the true a_x [m/s^2].
-    accelerometer_lag : T [s] and S [s^2] of S a'' + T a' + a = b, with the reading a and the result
-        b of the hook ``accelerometer``.
-    speed_delay : time [s] by which v is read late.
-    wheel_speed_delay : time [s] by which all wheel speeds are read late.
+    A comment before a hook says what the hook returns.
     """
 
     card: Card
+    # pressures of the front and the rear calipers [Pa] from the pressures before this effect; the
+    # hook reads only ``time`` and ``p_mc`` of the history
     pressure: Callable[[Parameters, RunHistory, Array, Array], Pair] | None = None
+    # factors on the pad friction of both axles [1] at the caliper pressures
     friction: Callable[[Parameters, RunHistory, Array, Array], Pair] | None = None
+    # factors [1] on the brake torque by wheel, for the wheels of axles whose sides differ
     wheels: Callable[[Parameters, RunHistory], dict[str, Array]] | None = None
+    # moment on the wheels besides the brake [N m per axle], positive when it slows
     axle_moment: Callable[[Vehicle, Parameters, Motion], Pair] | None = None
+    # inertia that is added to one wheel, front and rear [kg m^2]
     inertia: Callable[[Parameters], tuple[float, float]] | None = None
+    # factors on the front and the rear rolling radius [1]
     radius: Callable[[Parameters], tuple[float, float]] | None = None
+    # load over W [1] to take from the front axle of (6) and to add to the rear axle
     load_shift: Callable[[Vehicle, Parameters, RunHistory], Array] | None = None
+    # force on the body [N], positive when it slows
     body_force: Callable[[Vehicle, Parameters, Motion], Array] | None = None
+    # factors [1] by wheel on wheel speeds as read; no force changes
     wheel_speed: Callable[[Vehicle, Parameters, Motion], dict[str, Array]] | None = None
+    # factor on the mass [1]
     mass: Callable[[Parameters], float] | None = None
+    # reading of a_x from the true a_x [m/s^2]
     accelerometer: Callable[[Vehicle, Parameters, RunHistory, Array], Array] | None = None
+    # T [s] and S [s^2] of S a'' + T a' + a = b: a is read where ``accelerometer`` alone gives b
     accelerometer_lag: Callable[[Parameters], tuple[float, float]] | None = None
+    # time [s] by which v is read late
     speed_delay: Callable[[Parameters], float] | None = None
+    # time [s] by which all wheel speeds are read late
     wheel_speed_delay: Callable[[Parameters], float] | None = None
 
 
@@ -134,8 +128,9 @@ def _parameter(row: dict[str, str]) -> Parameter:
     low, high, typical = (float(row[key]) for key in ("low", "high", "typical"))
     has_prior = row["spread"] in SENSOR._fields
     spread = float(getattr(SENSOR, row["spread"]).sigma if has_prior else row["spread"])
-    default, is_share = float(row["default"]) if row["default"] else None, row["share"] == "yes"
-    return Parameter(row["name"], row["unit"], low, high, typical, spread, default, is_share)
+    default = float(row["default"]) if row["default"] else None
+    name, unit, is_share = row["name"], row["unit"], row["share"] == "yes"
+    return Parameter(name, unit, low, high, typical, spread, default, is_share)
 
 
 def _card(row: dict[str, str], parameters: tuple[Parameter, ...]) -> Card:
@@ -166,6 +161,11 @@ AT_WHEELS = (*BRAKES, "axle_moment", "inertia", "radius", "wheel_speed", "wheel_
 """Links that change brakes, wheels or wheel speed sensors."""
 SLOWING = ("axle_moment", "body_force")  # links that slow the car, as the brakes do
 BALANCE = (*SLOWING, "load_shift")  # links that `calib.car.balance` takes into account
+
+
+def sides(side: float) -> tuple[float, float]:
+    """Shares [1] of left and right wheel: 1 and 1 at ``side`` 0, left alone at 1, right at -1."""
+    return min(1.0, 1.0 + side), min(1.0, 1.0 - side)
 
 
 def acts_on(effect: Effect, links: tuple[str, ...]) -> bool:

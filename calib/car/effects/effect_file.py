@@ -1,4 +1,4 @@
-"""Reading an effect of the user: a Python file that defines ``EFFECT``, an `Effect`.
+"""Read an effect of the user: a Python file that defines ``EFFECT``, an `Effect`.
 
 The file is executed with all rights of this process, see `brake-cal manual own_effects`. Each hook
 is then tried on a braking. A hook that fails there or later raises a ModelError with file and line.
@@ -41,18 +41,13 @@ def _read(path: Path) -> OwnEffect:
     source = bytes_of(path, EFFECT, ModelError, "a Python file")
     effect = _executed(source, str(path)).get("EFFECT")
     if not (isinstance(effect, Effect) and isinstance(effect.card, Card)):
-        raise ModelError(
-            f"EFFECT is {effect!r}",
-            where=path,
-            expected="EFFECT = Effect(card=Card(...), ...) at the top level",
-            do="see `brake-cal manual own_effects`",
-        )
+        expected = "EFFECT = Effect(card=Card(...), ...) at the top level"
+        do = "see `brake-cal manual own_effects`"
+        raise ModelError(f"EFFECT is {effect!r}", where=path, expected=expected, do=do)
     if effect.card.name in CATALOGUE or not effect.card.parameters:
-        raise ModelError(
-            f"{effect.card.name!r} is an effect of the catalogue, or has no parameter",
-            where=path,
-            expected="another name, and a first parameter that is its strength",
-        )
+        flaw = f"{effect.card.name!r} is an effect of the catalogue, or has no parameter"
+        expected = "another name, and a first parameter that is its strength"
+        raise ModelError(flaw, where=path, expected=expected)
     return OwnEffect(path.name, sha256(source), effect=checked(effect, str(path)))
 
 
@@ -68,6 +63,7 @@ def _executed(source: bytes, path: str) -> dict[str, Any]:
 
 
 def _raised(cause: BaseException, path: str, prefix: str = "") -> ModelError:
+    """Return an error with the words of ``cause`` and the last line of the file that led to it."""
     frames = traceback.extract_tb(cause.__traceback__)
     lines = [frame.lineno for frame in frames if frame.filename == path]
     line = lines[-1] if lines else getattr(cause, "lineno", None)
@@ -90,46 +86,37 @@ def checked(effect: Effect, path: str) -> Effect:
     for link, hook in guarded.items():
         hook(*trial(link, typical))
         arguments = trial(link, {**typical, strength: neutral})
-        expected, result = _WITHOUT_EFFECT[link](*arguments), hook(*arguments)
-        if isinstance(result, dict):  # of some wheels
+        expected, result = _NEUTRAL_HOOKS[link](*arguments), hook(*arguments)
+        if isinstance(result, dict):  # by wheel, perhaps not of all wheels
             expected, result = [expected[w] for w in result], list(result.values())
         if not np.allclose(expected, result, rtol=1e-9, atol=1e-9):
-            raise ModelError(
-                f"{link} still does something at {strength} = {neutral:g}, the neutral strength",
-                where=_begin(path, hooks[link]),
-                expected="no effect there, for any value of other parameters",
-            )
+            flaw = f"{link} still does something at {strength} = {neutral:g}, the neutral strength"
+            expected = "no effect there, for any value of other parameters"
+            raise ModelError(flaw, where=_begin(path, hooks[link]), expected=expected)
     return replace(effect, **guarded)
 
 
-def _ones_by_wheel(like: Any) -> dict[str, Any]:
-    return {w: np.ones(np.shape(like)) for w in WHEELS}
-
-
-_WITHOUT_EFFECT: dict[str, Callable[..., Any]] = {
-    "pressure": lambda own, history, p_f, p_r: (p_f, p_r),
-    "friction": lambda own, history, p_f, p_r: (np.ones_like(p_f), np.ones_like(p_r)),
-    "wheels": lambda own, history: _ones_by_wheel(history.v),
-    "axle_moment": lambda car, own, motion: (np.zeros_like(motion.v), np.zeros_like(motion.v)),
-    "inertia": lambda own: (0.0, 0.0),
-    "radius": lambda own: (1.0, 1.0),
-    "load_shift": lambda car, own, history: np.zeros_like(history.v),
-    "body_force": lambda car, own, motion: np.zeros_like(motion.v),
-    "wheel_speed": lambda car, own, motion: _ones_by_wheel(motion.v),
-    "mass": lambda own: 1.0,
-    "accelerometer": lambda car, own, history, a_x: a_x,
-    "accelerometer_lag": lambda own: (0.0, 0.0),
-    "speed_delay": lambda own: 0.0,
-    "wheel_speed_delay": lambda own: 0.0,
+_NEUTRAL_HOOKS: dict[str, Callable[..., Any]] = {
+    "pressure": lambda parameters, history, p_f, p_r: (p_f, p_r),
+    "friction": lambda parameters, history, p_f, p_r: (np.ones_like(p_f), np.ones_like(p_r)),
+    "wheels": lambda parameters, history: {w: np.ones_like(history.v) for w in WHEELS},
+    "axle_moment": lambda car, parameters, motion: (0.0 * motion.v, 0.0 * motion.v),
+    "inertia": lambda parameters: (0.0, 0.0),
+    "radius": lambda parameters: (1.0, 1.0),
+    "load_shift": lambda car, parameters, history: 0.0 * history.v,
+    "body_force": lambda car, parameters, motion: 0.0 * motion.v,
+    "wheel_speed": lambda car, parameters, motion: {w: np.ones_like(motion.v) for w in WHEELS},
+    "mass": lambda parameters: 1.0,
+    "accelerometer": lambda car, parameters, history, a_x: a_x,
+    "accelerometer_lag": lambda parameters: (0.0, 0.0),
+    "speed_delay": lambda parameters: 0.0,
+    "wheel_speed_delay": lambda parameters: 0.0,
 }
-"""By link: a hook without effect, whose arguments and shape of the result are those of the link.
-
-``own`` are the parameters of the effect.
-"""
+"""A hook without effect for each link, with the arguments and the form of result of that link."""
 
 
 def _guarded(link: str, hook: Callable[..., Any], path: str) -> Callable[..., Any]:
-    """Return the hook with a check of its result. It raises ModelError where the hook fails."""
+    """Return the hook with a check of its result, which raises ModelError where the hook fails."""
 
     def call(*arguments: Any) -> Any:
         try:
@@ -137,20 +124,19 @@ def _guarded(link: str, hook: Callable[..., Any], path: str) -> Callable[..., An
                 result = hook(*arguments)
         except Exception as cause:
             raise _raised(cause, path, f"{link} raises ") from cause
-        example = _WITHOUT_EFFECT[link](*arguments)
+        example = _NEUTRAL_HOOKS[link](*arguments)
         try:
             return _like(example, result)
         except (AttributeError, KeyError, TypeError, ValueError):
-            raise ModelError(
-                f"{link} returns {_form(result)}",
-                where=_begin(path, hook),
-                expected=f"finite numbers in the form of {_form(example)}",
-            ) from None
+            flaw = f"{link} returns {_form(result)}"
+            expected = f"finite numbers in the form of {_form(example)}"
+            raise ModelError(flaw, where=_begin(path, hook), expected=expected) from None
 
     return call
 
 
 def _begin(path: str, hook: Callable[..., Any]) -> str:
+    """Return file and first line of a hook; the file alone for a callable that is no function."""
     code = getattr(hook, "__code__", None)
     return f"{path}:{code.co_firstlineno}" if code else path
 
@@ -160,7 +146,7 @@ def _like(example: Any, result: Any) -> Any:
 
     Raises AttributeError, KeyError, TypeError or ValueError for a result in another form.
     """
-    if isinstance(example, dict):
+    if isinstance(example, dict):  # by wheel
         return {w: _like(example[w], value) for w, value in result.items()}
     if isinstance(example, tuple):
         return tuple(_like(*pair) for pair in zip(example, result, strict=True))
@@ -186,7 +172,7 @@ _CAR = Vehicle(  # Tables I and II of the paper
 
 
 def trial(link: str, parameters: Mapping[str, float]) -> tuple[Any, ...]:
-    """Return arguments for a hook: a braking from 30 m/s to 0, released at 3 s; read-only."""
+    """Return read-only arguments for a hook: a braking from 30 m/s to 0, released after 3 s."""
     time = np.linspace(0.0, 3.99, 400)
     v = 30.0 - 7.5 * time
     angle = np.cumsum(v) * 0.01 / _CAR.front.rolling_radius
@@ -204,9 +190,9 @@ def trial(link: str, parameters: Mapping[str, float]) -> tuple[Any, ...]:
     )
     motion = Motion(history.v, *axle_loads(_CAR, history.z), history)
     p_r, a_x = 0.8 * history.p_mc, -G * history.z
-    for array in (p_r, a_x, *vars(motion).values(), *vars(history).values()):
-        if isinstance(array, np.ndarray):
-            array.flags.writeable = False
-    arguments = {"car": _CAR, "own": dict(parameters), "history": history, "motion": motion}
+    for value in (p_r, a_x, *vars(motion).values(), *vars(history).values()):
+        if isinstance(value, np.ndarray):
+            value.flags.writeable = False
+    arguments = {"car": _CAR, "parameters": dict(parameters), "history": history, "motion": motion}
     arguments |= {"p_f": history.p_mc, "p_r": p_r, "a_x": a_x}
-    return tuple(arguments[name] for name in signature(_WITHOUT_EFFECT[link]).parameters)
+    return tuple(arguments[name] for name in signature(_NEUTRAL_HOOKS[link]).parameters)

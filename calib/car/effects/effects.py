@@ -82,14 +82,14 @@ class Effects:
 
     @property
     def described(self) -> tuple[str, ...]:
-        """Every effect in words, the empirical terms last."""
+        """Names of the effects, then the empirical terms in words."""
         terms = (f"an empirical term on {t.place} over {t.driver}" for t in self.terms)
         return (*self.parameters, *terms)
 
     def with_(self, other: Self) -> Self:
-        """Return the effects of ``self`` and ``other`` together; of two alike, that of ``other``.
+        """Return the effects of both; an effect of ``other`` replaces the one of that name here.
 
-        Terms of ``other`` replace all terms of ``self``, since terms are fitted without others.
+        Any terms of ``other`` replace all terms here, since terms are fitted without others.
         """
         own_sigma = self.without(*other.names).sigma
         return type(self)(

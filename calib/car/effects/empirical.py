@@ -1,7 +1,4 @@
-"""Empirical terms as effects, so that they are simulated, or removed from a log, like all others.
-
-`EmpiricalTerm` in `calib.car.effects.effects` says what a term is.
-"""
+"""An `EmpiricalTerm` as an effect, which is simulated, or removed from a log, like all others."""
 
 from collections.abc import Callable
 
@@ -25,7 +22,7 @@ PLACES = {
     "rear_wheels": "rear",
     "body": "body",
 }
-"""Places on which a term can act, and the axle of each."""
+"""Places on which a term can act, and the axles of each place, a key of `AXLES_OF`."""
 
 DRIVERS = {
     "pressure": "Pa",
@@ -40,73 +37,67 @@ DRIVERS = {
 """Drivers of a term, with their units.
 
 `time` counts from the last moment without braking, `elapsed` and `distance` from the start of the
-run. The temperature is that of the discs of the axles in `AXLES_OF`.
+run. The temperature is that of the discs of an axle in `AXLES_OF`.
 """
 
 AXLES_OF = {"front": "f", "rear": "r", "both": "fr", "body": "f"}
-"""Axles on which a term acts. A term on the body reads the front discs, which take most heat."""
+"""Axles whose discs a term reads. A term on the body reads those in front, which take most heat."""
+
+
+_TEXTS = ("not known", "linear between knots", "the runs it was fitted to", "their residual")
+_CARD = Card("empirical_term", *_TEXTS, parameters=())
 
 
 def effect_of(term: EmpiricalTerm) -> Effect:
     """Return the term as an effect without parameters."""
-    card = Card(
-        f"empirical_{term.place}_over_{term.driver}",
-        cause="not known",
-        equation="piecewise linear over its driver",
-        source="the runs it was fitted to",
-        looks_like="the residual of these runs",
-        parameters=(),
-    )
-
     axles = AXLES_OF[PLACES[term.place]]  # "f", "r" or "fr"; a term on wheels has one axle
 
-    def value(history: RunHistory, axle: str) -> Array:
+    def value_along(history: RunHistory, axle: str) -> Array:
         """Change of pad friction, or force over the weight [1] (n,)."""
         return np.interp(_driver_along(history, term.driver, axle), term.knots, term.values)
 
     def friction(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
-        front = 1.0 + value(history, "f") if "f" in axles else np.ones_like(p_f)
-        rear = 1.0 + value(history, "r") if "r" in axles else np.ones_like(p_r)
+        front = 1.0 + value_along(history, "f") if "f" in axles else np.ones_like(p_f)
+        rear = 1.0 + value_along(history, "r") if "r" in axles else np.ones_like(p_r)
         return front, rear
 
     def body_force(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Array:
-        return np.asarray(vehicle.weight * value(motion.history, "f"))
+        return np.asarray(vehicle.weight * value_along(motion.history, axles))
 
     def axle_moment(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pair:
-        force = vehicle.weight * value(motion.history, axles)
+        force = vehicle.weight * value_along(motion.history, axles)
         zero = np.zeros_like(force)
         if axles == "f":
             return vehicle.front.rolling_radius * force, zero
         return zero, vehicle.rear.rolling_radius * force
 
     if term.on_brakes:
-        return Effect(card, friction=friction)
+        return Effect(_CARD, friction=friction)
     if term.place == "body":
-        return Effect(card, body_force=body_force)
-    return Effect(card, axle_moment=axle_moment)
+        return Effect(_CARD, body_force=body_force)
+    return Effect(_CARD, axle_moment=axle_moment)
 
 
 def drivers_of(place: str, driver: str, history: RunHistory) -> list[Array]:
-    """Values of the driver of a term on ``place`` along a run, arrays (n,) in its unit.
+    """Values of the ``driver`` of a term on ``place`` along a run, arrays (n,) in its unit.
 
-    The list has one array, or for temperatures one for each axle of the place. Raises ModelError
-    for a temperature that is not known.
+    The list has one array; for temperatures it has one for each axle of the place. Raises
+    ModelError for a temperature that is not known.
     """
     axles = AXLES_OF[PLACES[place]] if driver == "temperature" else "f"
     return [_driver_along(history, driver, axle) for axle in axles]
 
 
 def _driver_along(history: RunHistory, driver: str, axle: str) -> Array:
+    """Values of a driver (n,); only a temperature differs between the axles "f" and "r"."""
     if driver != "temperature":
         return _ALONG[driver](history)
     temperature = history.temperature_f if axle == "f" else history.temperature_r
     if temperature is None:
-        raise ModelError(
-            f"no temperature of the {AXLE_NAMES[axle]} discs, on which an empirical term depends",
-            where=history.source or None,
-            expected=f"a channel T_disc_{axle} [degC]",
-            do="log it, or take a model without this term",
-        )
+        flaw = f"no temperature of the {AXLE_NAMES[axle]} discs, on which an empirical term depends"
+        expected = f"a channel T_disc_{axle} [degC]"
+        do = "log it, or take a model without this term"
+        raise ModelError(flaw, where=history.source or None, expected=expected, do=do)
     return temperature
 
 
@@ -117,7 +108,7 @@ def _since_free(history: RunHistory) -> Array:
     return np.asarray(history.time - last_free)
 
 
-_ALONG: dict[str, Callable[[RunHistory], Array]] = {
+_ALONG: dict[str, Callable[[RunHistory], Array]] = {  # values of each driver but temperature
     "pressure": lambda history: history.p_mc,
     "speed": lambda history: history.v,
     "time": _since_free,

@@ -3,8 +3,8 @@
 A sensor of the wheel pressure sits between lines and calipers. The clamping pressure c is the
 pressure that presses the pads.
 
-Hysteresis comes from the friction of seals and pins: c lies between a line of loading and a line of
-release, and stays constant between them, at any rate of the pressure p.
+Hysteresis comes from the friction of seals and pins: c follows a line of loading while the pressure
+p rises and a line of release while p falls, and is constant in between, at any rate of p.
 
     c ^      release .---------.  loading     loading    c = p - r, not below zero
       |            .'        .'               release    c = p/(1 - u) + r
@@ -15,17 +15,19 @@ release, and stays constant between them, at any rate of the pressure p.
       +-----------.'--------> p
                   r
 
-Because of r, the pads bite late, and c = r remains when the pedal is free. With L = p - r and
-U = p/(1 - u) + r at each sample k: c[k] = max(L[k], min(U[k], c[k-1])).
+Because of r, the pads bite late, and c = r remains when the pedal is free. With the loading line L
+and the release line U at each sample k: c[k] = max(L[k], min(U[k], c[k-1])).
 
-Residual torque comes from pads that do not move back after the first release. They keep at most the
-residual pressure q, which falls with the time constant of draining.
+Residual torque comes from pads that do not move back after the first release: they keep a residual
+pressure q, which falls with the time constant of draining.
 
     c ^      .------.
       |    .'        '.
     q |  .'            '--...___
       +-'------------------------> t
 """
+
+from collections.abc import Callable
 
 import numpy as np
 
@@ -59,25 +61,29 @@ def _lagging(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array
     if T <= 0.0:
         return p_f, p_r
     second = parameters.get("lag_bend", 0.0) * T**2
-    front = low_pass(history.time, p_f, T, second)
-    return front, front if p_r is p_f else low_pass(history.time, p_r, T, second)
+    return _of_both(lambda p: low_pass(history.time, p, T, second), p_f, p_r)
+
+
+def _of_both(filtered: Callable[[Array], Array], p_f: Array, p_r: Array) -> Pair:
+    """Filter the pressures of both axles, only once where they are the same array."""
+    front = filtered(p_f)
+    return front, front if p_r is p_f else filtered(p_r)
 
 
 def _oscillating(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
     """Pressures after a lag of second order that overshoots, with T = 1/w of the undamped mode.
 
-    They are in steady state at the first sample, and not below zero. For a strongly damped line use
-    `hydraulic_lag`.
+    They are in steady state at the first sample, and below zero only where the pressure before was.
+    For a strongly damped line use `hydraulic_lag`.
     """
     T, damping = parameters["response_time"], parameters["line_damping"]
     if T <= 0.0:
         return p_f, p_r
-    front = _overshooting(history.time, p_f, 1.0 / T, damping)
-    return front, front if p_r is p_f else _overshooting(history.time, p_r, 1.0 / T, damping)
 
+    def overshooting(p: Array) -> Array:
+        return np.maximum(second_order(history.time, p, 1.0 / T, damping), np.minimum(p, 0.0))
 
-def _overshooting(time: Array, p: Array, frequency: float, damping: float) -> Array:
-    return np.maximum(second_order(time, p, frequency, damping), np.minimum(p, 0.0))
+    return _of_both(overshooting, p_f, p_r)
 
 
 def _proportioned(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
@@ -93,12 +99,12 @@ def behind_valve(p: Array, knee: float, slope: float) -> Array:
 def _above_threshold(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
     """Pressures less the threshold of each axle; negative pressures (noise) keep their sign.
 
-    ``threshold`` is the larger one. ``threshold_rear_share``, by default 0.5, divides it between
-    the axles: 0 is front only, 1 rear only. A negative threshold -t describes a sensor that reads t
-    too little: t is added, or p itself where p is smaller, so that a released brake stays released.
+    ``threshold`` is the larger one. ``threshold_rear_share`` is 0 for the front axle alone, 1 for
+    the rear axle alone, by default 0.5 for equal thresholds. A negative threshold -t describes a
+    sensor that reads t too little: t is added, or p where p is smaller, so that a released brake
+    stays released.
     """
-    share = parameters.get("threshold_rear_share", 0.5)
-    larger = parameters["threshold"]
+    larger, share = parameters["threshold"], parameters.get("threshold_rear_share", 0.5)
     front, rear = larger * min(1.0, 2.0 - 2.0 * share), larger * min(1.0, 2.0 * share)
     return _above(p_f, front), _above(p_r, rear)
 
@@ -117,34 +123,33 @@ def _hysteresis(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Ar
     """
     width, share = parameters["width"], parameters.get("fixed_share", 0.0)
     u, r = (1.0 - share) * width, 0.5 * share * width * _REFERENCE
-    front = _denoised_loop(p_f, u, r)
-    return front, front if p_r is p_f else _denoised_loop(p_r, u, r)
+    return _of_both(lambda p: _denoised_loop(p, u, r), p_f, p_r)
 
 
-def _denoised_loop(p: Array, relative: float, half: float) -> Array:
+def _denoised_loop(p: Array, u: float, r: float) -> Array:
     """`hysteresis_loop`, where changes of ``p`` within the band of its noise do not count.
 
     Otherwise noise would raise c step by step at a constant pressure. The result is exact without
     noise. With noise, a c that is constant is too low by at most twice the band, since a peak
     counts one band less.
     """
-    # of third differences: sqrt(20) times the noise if it is white, less if p was smoothed
+    # sigma of third differences: sqrt(20) times that of white noise, less if p was smoothed
     sigma = np.median(np.abs(np.diff(p, 3))) / QUARTILE if p.size > 3 else 0.0
     band = min(3.0 * float(sigma), _MAX_NOISE_BAND)
     steady = _play(p - band, p + band, p[0])
-    return np.asarray(p + (hysteresis_loop(steady, relative, half) - steady))
+    return np.asarray(p + (hysteresis_loop(steady, u, r) - steady))
 
 
-def hysteresis_loop(p: Array, relative: float, half: float = 0.0) -> Array:
-    """Clamping pressure c [Pa] (n,) at line pressure ``p`` (n,); ``relative`` is u, ``half`` r."""
-    loading = p - np.clip(p, 0.0, half)
-    return _play(loading, p / (1.0 - relative) + half, loading[0])
+def hysteresis_loop(p: Array, u: float, r: float) -> Array:
+    """Clamping pressure c [Pa] (n,) at line pressure ``p`` (n,), with u [1] and r [Pa] as above."""
+    loading = p - np.clip(p, 0.0, r)
+    return _play(loading, p / (1.0 - u) + r, loading[0])
 
 
 def _play(lowest: Array, highest: Array, first: float) -> Array:
     """c[k] = max(lowest[k], min(highest[k], c[k-1])) (n,), with c[0] = ``first``.
 
-    Clipping to a range [L, U] and then to another range is clipping to one range. So log2(n) passes
+    Clipping to a range and then to a second one is clipping to a third range. So log2(n) passes
     join the ranges of 2, 4, 8 ... successive samples.
     """
     low, high = lowest.copy(), highest.copy()
@@ -175,9 +180,9 @@ def _residual(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Arra
 def residual_clamp(time: Array, p: Array, limit: float, drain: float) -> Array:
     """Clamping pressure max(p, q) [Pa] (n,) with the residual pressure q.
 
-    While the brake is applied, q is at least min(p, ``limit``); else q' = -q/``drain``. ``time``
-    [s], ``p`` [Pa] (n,); ``limit`` [Pa], ``drain`` [s]. So q exp(t/drain) is a running maximum; the
-    logarithm is used because it does not overflow.
+    While the brake is applied, q is at least min(p, ``limit``); else q' = -q/``drain``. So
+    q exp(t/drain) is a running maximum, whose logarithm does not overflow. ``time`` [s] and ``p``
+    [Pa] are (n,); ``limit`` [Pa], ``drain`` [s].
     """
     applied = np.where(p > BITE, np.minimum(p, limit), 0.0)
     log_grown = np.log(np.maximum(applied, 1e-30)) + (time - time[0]) / drain

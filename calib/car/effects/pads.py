@@ -1,6 +1,6 @@
 """Effects of pads and discs: factors on the pad friction mu_p, and on the torque of single wheels.
 
-The friction over the pressure p is a straight line, or with a bend > 0 changes most at light
+The friction over the pressure p is a straight line, or with a bend it changes most at light
 braking:
 
     mu_p |`.
@@ -13,14 +13,14 @@ braking:
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.car.effects.effect import Pair, Parameters, effect
+from calib.car.effects.effect import Pair, Parameters, effect, sides
 from calib.car.history import HEAT_CAPACITY, RunHistory, disc_temperature
 
-_REFERENCE_PRESSURE = 20e5  # [Pa] at which the pad friction is that of the model: usual braking
+_REFERENCE_PRESSURE = 20e5  # p_0 [Pa], at which the factor is 1: usual braking
 
 _REFERENCE_SPEED = 20.0
-"""Speed [m/s] at which the pad friction is that of the model: the middle of a stop, where slope and
-level are least correlated."""
+"""Speed [m/s] at which the factor is 1: the middle of a stop, where slope and level are least
+correlated."""
 
 _STRAIGHT = 1e-10  # bend [1/Pa] below which the curve is a straight line
 
@@ -38,8 +38,8 @@ def _faded(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) 
         T_f = disc_temperature(history.time, history.energy_f, HEAT_CAPACITY["f"], start_f)
     if T_r is None:
         T_r = disc_temperature(history.time, history.energy_r, HEAT_CAPACITY["r"], start_r)
-    front, rear = (1.0 - slope * np.maximum(T - onset, 0.0) for T in (T_f, T_r))
-    return front, rear
+    front = 1.0 - slope * np.maximum(T_f - onset, 0.0)
+    return front, 1.0 - slope * np.maximum(T_r - onset, 0.0)
 
 
 def _by_speed(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
@@ -49,7 +49,7 @@ def _by_speed(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Arra
 
 
 def _by_pressure(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
-    """Factors 1 + k (p - p_0) [1] with the caliper pressure p and p_0 = 20 bar.
+    """Factors 1 + k (p - p_0) [1] with the caliper pressure p.
 
     A ``pressure_bend`` b replaces p - p_0 by
 
@@ -59,10 +59,11 @@ def _by_pressure(parameters: Parameters, history: RunHistory, p_f: Array, p_r: A
     power of p, such as p^-0.1 within 3.5 % from 3 to 60 bar.
     """
     slope, bend = parameters["pressure_slope"], parameters.get("pressure_bend", 0.0)
-    return 1.0 + slope * _with_bend(p_f, bend), 1.0 + slope * _with_bend(p_r, bend)
+    return 1.0 + slope * _above_reference(p_f, bend), 1.0 + slope * _above_reference(p_r, bend)
 
 
-def _with_bend(p: Array, bend: float) -> Array:
+def _above_reference(p: Array, bend: float) -> Array:
+    """p - p_0 [Pa] (n,), or what the ``bend`` [1/Pa] puts in its place."""
     p_0 = _REFERENCE_PRESSURE
     if bend < _STRAIGHT:
         return p - p_0
@@ -71,15 +72,15 @@ def _with_bend(p: Array, bend: float) -> Array:
 
 
 def _drying(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
-    """Factors 1 - k exp(-E/E_d) [1] of wet pads that the energy E of each axle's brake dries.
+    """Factors 1 - k exp(-E/E_d) [1] of wet pads, which the heat E of each brake dries.
 
-    E counts from the first sample. E_d is ``dry_energy`` on the front axle, and ``dry_rear_share``
-    (by default 1) of ``dry_energy`` on the rear axle. Not valid if water comes later.
+    E counts from the first sample. E_d is ``dry_energy`` in front; the rear brakes have
+    ``dry_rear_share``, by default 1, of it. Not valid if water comes later.
     """
-    loss, dry = parameters["wet_loss"], parameters["dry_energy"]
-    dry_rear = dry * parameters.get("dry_rear_share", 1.0)
-    front = 1.0 - loss * np.exp(-history.energy_f / dry)
-    return front, 1.0 - loss * np.exp(-history.energy_r / dry_rear)
+    loss, E_d = parameters["wet_loss"], parameters["dry_energy"]
+    E_d_rear = E_d * parameters.get("dry_rear_share", 1.0)
+    front = 1.0 - loss * np.exp(-history.energy_f / E_d)
+    return front, 1.0 - loss * np.exp(-history.energy_r / E_d_rear)
 
 
 def _uneven(parameters: Parameters, history: RunHistory) -> dict[str, Array]:
@@ -87,7 +88,7 @@ def _uneven(parameters: Parameters, history: RunHistory) -> dict[str, Array]:
     ones, front = np.ones_like(history.time), parameters["imbalance"]
     rear = parameters["rear_share"] * front
     factors = {"fl": (1.0 + front) * ones, "fr": (1.0 - front) * ones}
-    if rear != 0.0:  # else both rear wheels are equal, and only one of them is computed
+    if rear != 0.0:  # at 0 the rear wheels are equal, and only the left one is computed
         factors |= {"rl": (1.0 + rear) * ones, "rr": (1.0 - rear) * ones}
     return factors
 
@@ -95,18 +96,15 @@ def _uneven(parameters: Parameters, history: RunHistory) -> dict[str, Array]:
 def _pulsing(parameters: Parameters, history: RunHistory) -> dict[str, Array]:
     """Factors [1] on the torques of front discs of uneven thickness, one wave a turn.
 
-    ``side`` is 0 for both discs in step, 1 for the left disc only, -1 for the right disc only. The
-    phase is that of `RunHistory.ripple`.
+    Both discs are in step, or `sides` gives one of them alone. `RunHistory.ripple` has the phase.
     """
-    wave = history.ripple(parameters["phase"])
-    a, side = parameters["amplitude"], parameters["side"]
-    left, right = min(1.0, 1.0 + side), min(1.0, 1.0 - side)
+    a, wave = parameters["amplitude"], history.ripple(parameters["phase"])
+    left, right = sides(parameters["side"])
     return {"fl": 1.0 + a * left * wave, "fr": 1.0 + a * right * wave}
 
 
-FADE = effect("pad_thermal_fade", friction=_faded)
 EFFECTS = (
-    FADE,
+    effect("pad_thermal_fade", friction=_faded),
     effect("pad_speed_dependence", friction=_by_speed),
     effect("pad_pressure_dependence", friction=_by_pressure),
     effect("wet_pad_recovery", friction=_drying),

@@ -19,21 +19,18 @@ from calib.car.history import Motion
 from calib.car.lag import first_order
 from calib.car.vehicle import Vehicle
 
-_SPEED = 20.0  # [m/s] at which rolling resistance and the torque of an engine are given
-
+_REFERENCE_SPEED = 20.0  # speed [m/s] of the parameters of rolling resistance and engine drag
 _DEFAULT_SPAN = 0.4  # default of ``regen_span`` over ``regen_onset`` [1]
-
 FADE_OUT = 3.0  # speed [m/s] below which the moment of a motor falls to zero, as is usual
 
 
 def _rolling(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pair:
     """c_rr F_z R [N m per axle]; ``rolling_growth``, by default 0, lets c_rr grow with v^2."""
-    growth = 1.0 + parameters.get("rolling_growth", 0.0) * ((motion.v / _SPEED) ** 2 - 1.0)
+    squared_speed = (motion.v / _REFERENCE_SPEED) ** 2
+    growth = 1.0 + parameters.get("rolling_growth", 0.0) * (squared_speed - 1.0)
     c_rr = parameters["coefficient"] * growth
-    return (
-        c_rr * motion.load_f * vehicle.front.rolling_radius,
-        c_rr * motion.load_r * vehicle.rear.rolling_radius,
-    )
+    front = c_rr * motion.load_f * vehicle.front.rolling_radius
+    return front, c_rr * motion.load_r * vehicle.rear.rolling_radius
 
 
 def _engine(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pair:
@@ -42,7 +39,7 @@ def _engine(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pair:
     By default ``drag_growth`` is 0, and ``drag_rear_share`` is 0: the front wheels are driven. The
     moment is negative while the engine drives the car. Valid for one gear.
     """
-    growth = 1.0 + parameters.get("drag_growth", 0.0) * (motion.v - _SPEED)
+    growth = 1.0 + parameters.get("drag_growth", 0.0) * (motion.v - _REFERENCE_SPEED)
     moment, share = parameters["drag_torque"] * growth, parameters.get("drag_rear_share", 0.0)
     return (1.0 - share) * moment, share * moment
 
@@ -50,10 +47,9 @@ def _engine(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pair:
 def _motor(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pair:
     """M = min(M_0, P/omega) [N m per axle] times the blending by the pedal, shared by the axles.
 
-    The blending grows from 0 to 1 over the pressures ``regen_onset`` to ``regen_onset`` plus
-    ``regen_span``, and follows the pedal with the time constant ``regen_lag``. omega is taken as
-    v/R, so P is too high by the slip, 1 to 3 %. A motor that slows the car without the brake pedal
-    is an `engine_drag`.
+    The blending grows from 0 to 1 while the pressure rises by ``regen_span`` from ``regen_onset``
+    on, and follows the pedal with the time constant ``regen_lag``. omega is taken as v/R, so P is
+    too high by the slip, 1 to 3 %. A motor that slows the car without the pedal is `engine_drag`.
     """
     share = parameters["regen_rear_share"]
     onset = parameters.get("regen_onset", BITE)
@@ -73,7 +69,7 @@ def _radius_by_load(vehicle: Vehicle, parameters: Parameters, motion: Motion) ->
     """Factors exp(q (F_z/F_z0 - 1)) [1] on the wheel speeds, since a radius falls with the load.
 
     F_z0 is the axle load at rest. The change of the brake force, 0.1 to 0.5 %, is neglected. Valid
-    at the tyre inflation at which the radii of the vehicle file hold.
+    at the tyre inflation for which the radii of the vehicle file hold.
     """
     q, (static_f, static_r) = parameters["radius_load"], vehicle.static_loads
     front = np.exp(q * (motion.load_f / static_f - 1.0))
