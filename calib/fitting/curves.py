@@ -73,9 +73,10 @@ def _measured_eta(car: Vehicle, run: RampRun, path: SlipPrediction) -> Array:
     """Eta [1] of the braked blocks (m,); where motors act, the eta by the brakes alone."""
     b, braked = run.blocks, run.braked
     if np.any(b.drive_f[braked]) or np.any(b.drive_r[braked]):
-        z = run.braking[braked] / car.weight / (1.0 + sum(rotating_shares(car)))
+        z = run.brake_rise[braked] / car.weight / (1.0 + sum(rotating_shares(car)))
         return np.interp(z, path.z, path.eta)
-    return np.asarray(1.0 + run.since_rolling(b.eta)[braked])
+    eta_rise = b.eta - np.mean(b.eta[run.rolling])  # since the lead-in, whose mean has the radii
+    return np.asarray(1.0 + eta_rise[braked])
 
 
 def paper_of(car: Vehicle, d: DifferenceCurve, z: Array) -> PaperCurves:

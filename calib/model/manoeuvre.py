@@ -2,8 +2,7 @@
 
     ramp ____/    step ___|----    stop ___/---    wave ___~~~~    coast _______
 
-Every manoeuvre begins with an unbraked lead-in, on which eta can be zeroed. A `coast` is unbraked
-to its end.
+Every manoeuvre begins with an unbraked lead-in, on which eta can be zeroed.
 """
 
 import numpy as np
@@ -55,12 +54,12 @@ def manoeuvre(
             raise ModelError(f"{quantity} {value:g} {unit}", where=name, expected=expected)
     default_pressure, slope, hold = _DEFAULTS[name]
     plateau = default_pressure if pressure is None else pressure
-    rise = plateau / slope
+    rise_time = plateau / slope
     if duration is not None and name == "ramp":
-        rise = duration
+        rise_time = duration
     elif duration is not None:
         hold = duration
-    top = LEAD_IN + rise
+    top = LEAD_IN + rise_time
     end = hold if name == "coast" else top + hold
     time = np.arange(int(np.floor(end * rate + 1e-9)) + 1) / rate
     trace = np.interp(time, [LEAD_IN, top], [0.0, plateau])

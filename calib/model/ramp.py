@@ -1,4 +1,4 @@
-"""Sort the runs of a fit, and make each ramp ready: its blocks, and the forces of its axles.
+"""Sort the runs of a fit, and prepare each ramp: its blocks, and the forces of its axles.
 
     runs --sort_runs--> ramps, coasts, stops        a ramp or stop --prepare--> RampRun
 
@@ -31,34 +31,31 @@ from calib.run.same_run import refuse_copies
 
 @dataclass(frozen=True)
 class _FitSettings:
-    """Settings of a fit that no argument changes."""
+    """Constants of a fit."""
 
     min_speed: float = 5.0
     """Below this v [m/s] the clock offset and the noise of v swallow the slip."""
     outlier: float = 4.0
     """Residuals past this many sigma are outliers: 500 blocks of noise have one in 30 runs."""
     fastest: float = 0.5
-    """A block takes no part while the deceleration by the pressure changes faster than this [g/s]:
-    the lag of pads, lines and body then moves eta by as much as braking does. A ramp to 0.6 g
-    within 3 s has 0.2 g/s, a pedal that is let go 1 to 3 g/s."""
+    """Blocks take no part while the pressure changes the deceleration faster than this [g/s]: lags
+    then move eta as much as braking does. A ramp to 0.6 g in 3 s has 0.2 g/s, a release 1 to 3."""
     late: float = 0.15
     """Time after a change faster than ``fastest`` for which blocks take no part either [s]."""
     disturbance_of_eta: float = 0.12
-    """Departure of eta from its smooth course, divided by its range on the ramp, from which on
-    a block is disturbed: a gear shift of 240 N m moves eta by a third of the range, a bump by
-    all."""
+    """Departure of eta from its smooth course over its range on the ramp, from which on a block is
+    disturbed: a gear shift of 240 N m moves eta by a third of the range, a bump by all of it."""
     disturbance_of_force: float = 0.03
-    """The same departure of the demanded brake force, divided by its largest value."""
+    """The same for the departure of the demanded brake force over its largest value."""
     disturbance_gate: float = 6.0
-    """Departure of eta or force over the usual scatter, from which on it is a disturbance."""
+    """A smaller departure of eta or force over the usual scatter is no disturbance."""
     fewest_blocks: int = 20
     """With fewer braked blocks no disturbance is looked for. A disturbance needs a fifth of this
     number of calm blocks before it, after it, and at more force than it has."""
     disturbance_share: float = 0.3
     """If a larger share of the braked blocks is disturbed, the cause is the car: all take part."""
     flat: float = 0.1
-    """z is not read from the curve eta(z) where its slope is below this share of the first slope:
-    there an error of eta moves D ten times as far."""
+    """Where the slope of eta(z) is below this share of its first slope, z is not read from it."""
     rows: int = 61
     """Rows of a look-up: linear interpolation between them errs by less than 1e-4 in D."""
     min_count: int = 3
@@ -78,7 +75,7 @@ class RampRun:
     blocks: Blocks  # means of the signals
     noise: SensorNoise
     load_f: Array  # front axle load [N]
-    drag_f: Array  # force that slows the front wheels besides the brake, with their inertia [N]
+    drag_f: Array  # forces at the front wheels besides the brake, as in `ForceBalance` [N]
     drag_r: Array  # the same of the rear wheels [N]
     brake_sum: Array  # brake force of both axles that the deceleration demands [N]
     slip: Array | None  # measured mean slip [1], None without v
@@ -93,9 +90,9 @@ class RampRun:
         return self.use & (np.maximum(self.blocks.p_f, self.blocks.p_r) > BITE)
 
     def log_odds(self, p_f: Array, p_r: Array) -> Array:
-        """ln of the front pressure over the rear one [1], infinite where one axle brakes alone."""
-        alone = {"f": np.inf, "r": -np.inf, None: 0.0}[self.only]
-        return np.asarray(np.log(np.maximum(p_f, 1.0) / np.maximum(p_r, 1.0)) + alone)
+        """ln of front over rear pressure [1], infinite where one axle brakes alone."""
+        infinity = {"f": np.inf, "r": -np.inf, None: 0.0}[self.only]
+        return np.asarray(np.log(np.maximum(p_f, 1.0) / np.maximum(p_r, 1.0)) + infinity)
 
     def quasi_static(self, vehicle: Vehicle) -> Array:
         """Deceleration [1] (k,) at which a car without effects has these axle loads, by (6)."""
@@ -109,21 +106,17 @@ class RampRun:
         return lead[-round(_ZEROED / self.blocks.length) :]
 
     @cached_property
-    def braking(self) -> Array:
+    def brake_rise(self) -> Array:
         """Brake force of both axles [N] (k,): ``brake_sum`` less its mean on the lead-in.
 
-        That mean is the offset of a_x, the slope and other resistances, since no brake acts there.
+        No brake acts there: the mean is the offset of a_x, the slope and other resistances.
         """
         zero = np.mean(self.brake_sum[self.rolling]) if self.rolling.size else 0.0
         return np.asarray(self.brake_sum - zero)
 
-    def since_rolling(self, measured: Array) -> Array:
-        """Change of a ``measured`` eta [1] (k,) since the lead-in, whose mean holds the radii."""
-        return np.asarray(measured - np.mean(measured[self.rolling]))
-
 
 def sort_runs(runs: Sequence[Run]) -> tuple[list[Run], list[Run], list[Run]]:
-    """Ramps, coasts and stops among the ``runs``, each sorted by the digests of their logs.
+    """Return ramps, coasts and stops among the ``runs``, each sorted by the digests of the logs.
 
     A log without braking is a coast. A log that brakes too fast for a ramp, by the rule
     `ramp_rise`, is a stop, if another log brakes as slowly as a ramp. Raises LogError for a log
@@ -131,7 +124,7 @@ def sort_runs(runs: Sequence[Run]) -> tuple[list[Run], list[Run], list[Run]]:
     """
     refuse_copies([run.log for run in runs])
     # the order of the command line must not change a bit of the table
-    ordered = sorted(runs, key=lambda item: item.log.digest)
+    ordered = sorted(runs, key=lambda run: run.log.digest)
     coasts = [run for run in ordered if not run.events]
     braked = [run for run in ordered if run.events]
     reasons = {run: unusable(run, FIT if run.events else COAST, (REFUSE,)) for run in ordered}
@@ -139,35 +132,32 @@ def sort_runs(runs: Sequence[Run]) -> tuple[list[Run], list[Run], list[Run]]:
     stops = fast if len(fast) < len(braked) else []
     reasons |= {run: unusable(run, VALIDATE) for run in stops}
     ramps = [run for run in braked if run not in stops]
-    purposes = dict.fromkeys(coasts, COAST) | dict.fromkeys(ramps, FIT)
-    refusals = [(reason, run) for run in ordered for reason in reasons[run]]
-    if refusals:
-        # a mistake that all logs share may show itself in one of them alone
-        first = unexplained(reason for reason, _ in refusals)[0]
-        run = next(run for reason, run in refusals if reason is first)
-        require_none(reasons[run], run, purposes.get(run, VALIDATE))
+    all_reasons = [reason for run in ordered for reason in reasons[run]]
+    if all_reasons:
+        # a mistake that all logs share is reported once, for the log that shows its cause
+        cause = unexplained(all_reasons)[0]
+        run = next(run for run in ordered if any(reason is cause for reason in reasons[run]))
+        purpose = COAST if run in coasts else VALIDATE if run in stops else FIT
+        require_none(reasons[run], run, purpose)
     if not ramps:
-        raise LogError(
-            "none of the logs holds a braking",
-            where=", ".join(run.log.source for run in runs),
-            expected="at least one ramp: 1 s unbraked, then pressure rising over 3 to 8 s",
-        )
+        where = ", ".join(run.log.source for run in runs)
+        expected = "at least one ramp: 1 s unbraked, then pressure rising over 3 to 8 s"
+        raise LogError("none of the logs holds a braking", where=where, expected=expected)
     if all(run.alone for run in ramps):
-        raise LogError(
-            "on every ramp one axle brakes alone, so there is no curve over eta",
-            where=", ".join(run.log.source for run in ramps),
-            expected="at least one ramp with both axles; ramps with one axle serve in addition",
-        )
+        flaw = "on every ramp one axle brakes alone, so there is no curve over eta"
+        where = ", ".join(run.log.source for run in ramps)
+        expected = "at least one ramp with both axles; ramps with one axle serve in addition"
+        raise LogError(flaw, where=where, expected=expected)
     return ramps, coasts, stops
 
 
 def prepare(run: Run, effects: Effects, accelerometer: Accelerometer | None = None) -> RampRun:
-    """Return the ramp of a run: loads, resistances and demanded brake force of each block.
+    """Return the blocks of a ramp with their loads, resistances and demanded brake forces.
 
     ``effects`` are the known effects of body and wheels; the ``accelerometer`` corrects z.
 
     These blocks take no part in a fit:
-    * blocks in which an axle would lift, by a glitch of a_x; they have no loads (NaN) either;
+    * blocks in which an axle would lift, by a glitch of a_x: their loads are NaN;
     * blocks between the lead-in and the bite, and after a release: the pads may touch;
     * blocks so long after the lead-in that the zeros of eta and slip are lost (`calib.run.noise`);
     * blocks in which, or just before which, the pressure changes fast.
@@ -192,23 +182,24 @@ def prepare(run: Run, effects: Effects, accelerometer: Accelerometer | None = No
         accelerometer=accelerometer,
         only=run.alone,
     )
-    omega = np.maximum(b.omega_f, 1.0)  # [rad/s]; slower blocks take no part
-    eta_density = np.asarray(np.sqrt(2.0) * noise.omega / omega)  # [s^0.5]
+    # noise densities of eta and slip [s^0.5]; blocks slower than the bounds take no part
+    omega = np.maximum(b.omega_f, 1.0)
+    eta_density = np.asarray(np.sqrt(2.0) * noise.omega / omega)
     is_zeroed = np.isfinite(sigma_growth(b.end, b.lead_in, eta_density))
     if ramp.slip is not None:
         speed = np.maximum(b.speed, SETTINGS.min_speed)
         slip_density = np.asarray(np.hypot(noise.v / speed, noise.omega / omega))
         is_zeroed |= np.isfinite(sigma_growth(b.end, b.lead_in, slip_density))
     B_f, B_r = nominal_forces(vehicle, ramp, 0.0)
-    rate = np.abs(np.gradient((B_f + B_r) / vehicle.weight, b.end))
-    steady = time_since(b.end, rate > SETTINGS.fastest) > SETTINGS.late
-    return replace(ramp, use=ramp.use & is_zeroed & (b.lead_in | steady))
+    rate = np.abs(np.gradient((B_f + B_r) / vehicle.weight, b.end))  # [g/s]
+    is_steady = time_since(b.end, rate > SETTINGS.fastest) > SETTINGS.late
+    return replace(ramp, use=ramp.use & is_zeroed & (b.lead_in | is_steady))
 
 
 def pad_scale(run: RampRun, B_f: Array, B_r: Array) -> float:
     """Factor [1] on brake forces [N] (k,) that fits their sum to the demand, by least squares."""
     total = (B_f + B_r)[run.braked]
-    return float(total @ run.braking[run.braked] / (total @ total))
+    return float(total @ run.brake_rise[run.braked] / (total @ total))
 
 
 def nominal_forces(vehicle: Vehicle, run: RampRun, log_ratio: Array | float) -> tuple[Array, Array]:
@@ -218,6 +209,7 @@ def nominal_forces(vehicle: Vehicle, run: RampRun, log_ratio: Array | float) -> 
     0 without pressure, and where the other axle brakes alone.
     """
     b = run.blocks
-    biting = np.maximum(b.p_f, b.p_r) > 0.5 * BITE
-    p_f, p_r = (p * (biting & (run.only in (None, a))) for a, p in (("f", b.p_f), ("r", b.p_r)))
+    is_pressed = np.maximum(b.p_f, b.p_r) > 0.5 * BITE
+    p_f = 0.0 * b.p_f if run.only == "r" else b.p_f * is_pressed
+    p_r = 0.0 * b.p_r if run.only == "f" else b.p_r * is_pressed
     return brake_forces(vehicle, p_f, p_r, log_ratio)

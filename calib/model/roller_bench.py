@@ -74,10 +74,8 @@ class RollerBench:
 
         The standard deviation has two parts: the scatter of the rows, and the part of the tolerance
         that the axles do not share. The relative scatter is that of the rows of both axles;
-        Student's t allows for their small number.
-
-        Raises BenchError for rows on no line that rises and for pads that no car has; ModelError
-        for an effect of the vehicle that cannot be used.
+        Student's t allows for their small number. Raises BenchError for rows on no line that rises
+        and for pads that no car has; ModelError for an effect of the vehicle that cannot be used.
         """
         front, rear = (self._line(vehicle, axle) for axle in "fr")
         freedom = front.freedom + rear.freedom
@@ -112,15 +110,14 @@ class RollerBench:
                 expected=f"rows on a line, whose slope is known to {100 * _LARGEST_SIGMA:g} %",
                 do="leave out rows where the wheels slip on the rollers; measure more pressures",
             )
-        friction = slope * brake.pad_friction
-        if not _FRICTION.least <= friction <= _FRICTION.most:
-            raise BenchError(
-                f"the brake force of the {name} axle asks for a pad friction of {friction:.3g}",
-                where=self.source,
-                expected=f"{_FRICTION.least:g} to {_FRICTION.most:g}",
-                do="check the units, whether the force is that of both wheels, and piston_area, "
-                "effective_radius and friction_faces of the vehicle file",
+        least, most, friction = _FRICTION.least, _FRICTION.most, slope * brake.pad_friction
+        if not least <= friction <= most:
+            flaw = f"the brake force of the {name} axle asks for a pad friction of {friction:.3g}"
+            do = (
+                "check the units, whether the force is that of both wheels, and piston_area, "
+                "effective_radius and friction_faces of the vehicle file"
             )
+            raise BenchError(flaw, where=self.source, expected=f"{least:g} to {most:g}", do=do)
         return line
 
 

@@ -41,22 +41,16 @@ class _AxleRows(Section):
     @model_validator(mode="after")
     def _are_rows(self: Any) -> Any:
         if len(self.p_mc) != len(self.brake_force):
-            raise wrong(
-                f"{len(self.p_mc)} pressures and {len(self.brake_force)} forces",
-                "a force of both wheels for each pressure",
-            )
-        if len(set(self.p_mc)) < _FEWEST:
-            raise wrong(
-                counted(len(set(self.p_mc)), "pressure"),
-                f"{_FEWEST} different ones or more, for slope, threshold and scatter of the forces",
-            )
-        lowest, bite = (from_si(p, "bar", "Pa") for p in (min(self.p_mc), BITE))
+            flaw = f"{len(self.p_mc)} pressures and {len(self.brake_force)} forces"
+            raise wrong(flaw, "a force of both wheels for each pressure")
+        count = len(set(self.p_mc))
+        if count < _FEWEST:
+            expected = f"{_FEWEST} different ones or more, for slope, threshold and scatter"
+            raise wrong(counted(count, "pressure"), f"{expected} of the forces")
+        lowest, bite = from_si(min(self.p_mc), "bar", "Pa"), from_si(BITE, "bar", "Pa")
         if lowest < bite:
-            raise wrong(
-                f"a pressure of {lowest:g} bar",
-                f"{bite:g} bar or more",
-                "leave that row out: the brakes hardly bite there",
-            )
+            do = "leave that row out: the brakes hardly bite there"
+            raise wrong(f"a pressure of {lowest:g} bar", f"{bite:g} bar or more", do)
         return self
 
     @property

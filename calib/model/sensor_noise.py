@@ -1,9 +1,9 @@
 """Add sensor noise to a simulated log; the same seed gives the same noise.
 
-    reading = round(truth + white + x),   coloured: x[k+1] = a x[k] + e,   a = exp(-dt/0.1 s)
+    reading = round(truth + white + x),   coloured: x[k+1] = a x[k] + shock,   a = exp(-dt/0.1 s)
 
-The default levels are those of the coasting log of `sample_logs/sedan`. There a large part of the
-accelerometer's variance is slow, by the motion of the body.
+White noise and shocks are normal and independent. The default levels are those of the coasting log
+of `sample_logs/sedan`, where much of the accelerometer's variance is slow, by motion of the body.
 """
 
 import zlib
@@ -49,13 +49,10 @@ def add_noise(log: Log, seed: int, levels: Mapping[str, NoiseLevel] = LEVELS) ->
         # every channel has its own numbers, so that an additional channel changes no other
         random = np.random.default_rng([seed, zlib.crc32(name.encode())])
         channels[name] = reading(channels[name], levels[name], log.sample_time, random)
-    record = {"name": log.name, "noise": seed}
-    return replace(
-        log,
-        channels=channels,
-        digest=content_digest(record, {"channels": channels, "truth": log.truth}),
-        notes=(*log.notes, f"sensor noise added with seed {seed}"),
-    )
+    content = {"channels": channels, "truth": log.truth}
+    digest = content_digest({"name": log.name, "noise": seed}, content)
+    notes = (*log.notes, f"sensor noise added with seed {seed}")
+    return replace(log, channels=channels, digest=digest, notes=notes)
 
 
 def reading(

@@ -1,8 +1,8 @@
 """Simulate a braking from pressure and first speed: all channels of a log, with their truth.
 
-`simulate` takes the pressure as given, `replay` that of a log. `calib.model.solver` solves the
+`simulate` takes a given pressure, `replay` the pressure of a log. `calib.model.solver` solves the
 equations of motion. Valid for a straight line and slip on the rising branch of the tyre. Left and
-right tyres are equal, and the load transfer has no delay, unless the model has an effect for it.
+right wheels are equal, and the load transfer has no delay, unless an effect changes that.
 """
 
 from collections.abc import Mapping
@@ -69,16 +69,12 @@ def simulate(
     start_heat : temperature of the assumed discs at the start [degC], front and rear.
     drive_torque : of engine or motor at both wheels of an axle together [N m], by axle, negative
         where it slows. It adds to the effect ``engine_drag``.
-    wheel_angle : of the wheels of an axle [rad], by axle, for effects that ripple with it; without
-        one, the simulation's own angle from 0 at the first sample.
+    wheel_angle : of the wheels of an axle [rad], by axle, for effects that ripple with the angle;
+        by default the angle of the simulation, from 0 at the first sample.
 
-    Returns
-    -------
-    A log with truth channels. It ends with the last sample at or above ``stop_speed``, or with the
-    last one before a wheel would pass the peak of its tyre or an axle would lift; its last note
-    gives the time and the reason.
-
-    Raises ModelError if nothing can be simulated.
+    The log that is returned has truth channels. It ends with the last sample at or above
+    ``stop_speed``, or before a wheel would pass the peak of its tyre or an axle would lift; its
+    last note gives the time and the reason. Raises ModelError if nothing can be simulated.
 
     >>> import numpy as np
     >>> import calib
@@ -93,13 +89,12 @@ def simulate(
     True
     """
     if not 0.0 < stop_speed < v0 < np.inf:
-        raise ModelError(
-            f"first speed {v0:g} m/s", expected=f"more than the stop speed, {stop_speed:g} m/s"
-        )
+        expected = f"more than the stop speed, {stop_speed:g} m/s"
+        raise ModelError(f"first speed {v0:g} m/s", expected=expected)
     if time.size < 2 or not np.all(np.diff(time) > 0.0):
         raise ModelError("time does not increase", expected="two samples or more, increasing")
     clock, samples = fine_clock(time)
-    p_mc = _interpolated(time, clock, {"pressure": pressure}, ("pressure",))["pressure"]
+    p_mc = _interpolated(time, clock, {"p_mc": pressure}, ("p_mc",))["p_mc"]
     p_wheels = _interpolated(time, clock, wheel_pressure, WHEELS)
     discs = _interpolated(time, clock, temperature, AXLES)
     engine = _interpolated(time, clock, drive_torque, AXLES)
@@ -111,7 +106,7 @@ def simulate(
     run = Drive(brakes_of(driven, inputs, p_wheels), inputs, v0, stop_speed, torque, angle)
     state = solve(run)
     end, note = end_of(run, state)
-    places = samples[: np.searchsorted(samples, end)]
+    places = samples[: np.searchsorted(samples, end)]  # of the given samples in the fine clock
     if places.size < 2:
         raise ModelError("nothing to simulate", expected="two samples or more", do=note)
     history = history_of(run, state)
@@ -143,16 +138,12 @@ def replay(
     logged. ``wheel_angle`` and ``start_heat`` as in `simulate`. Raises LogError if the log has no
     first speed, ModelError if there is nothing to simulate.
     """
-    step = log.sample_time
+    step, car = log.sample_time, as_driven(model.vehicle, model.effects)
     return simulate(
         model,
         log.time,
         as_pressed(log["p_mc"], step),
-        first_speed(
-            log,
-            as_driven(model.vehicle, model.effects),
-            reading_delay(model.effects, "speed_delay"),
-        ),
+        first_speed(log, car, reading_delay(model.effects, "speed_delay")),
         wheel_pressure={w: as_pressed(log[f"p_{w}"], step) for w in WHEELS if f"p_{w}" in log},
         temperature={a: log[f"T_disc_{a}"] for a in AXLES if f"T_disc_{a}" in log},
         drive_torque={a: log[f"T_drive_{a}"] for a in AXLES if f"T_drive_{a}" in log},
@@ -162,35 +153,31 @@ def replay(
     )
 
 
-def first_speed(log: Log, vehicle: Vehicle, late: float = 0.0) -> float:
+def first_speed(log: Log, vehicle: Vehicle, delay: float = 0.0) -> float:
     """Speed [m/s] at the first sample, from a straight line through the first samples of ``v``.
 
     Without ``v`` the line goes through the mean of R omega over the wheels, which is too low by
-    their slip if the log begins with braking. ``late`` is the delay of ``v`` [s]. Raises LogError
-    if there are not two finite samples.
+    their slip if the log begins with braking. ``delay`` is that of ``v`` [s]. Raises LogError if
+    there are not two finite samples.
     """
-    since = log.time - log.time[0]
+    elapsed = log.time - log.time[0]
     braked = np.flatnonzero(log["p_mc"] > BITE) if "p_mc" in log else np.array([0])
-    free = float(since[braked[0]]) - SETTLE if braked.size else np.inf
-    first = since <= min(max(free, _FIRST_SECONDS), COAST_SECONDS)
-    speed = (log["v"] if "v" in log else _rolling_speed(log, vehicle))[first]
-    finite = np.isfinite(speed)
-    t = since[first]
-    if np.count_nonzero(finite[t <= _FIRST_SECONDS]) < 2:
-        raise LogError(
-            f"no speed in the first {_FIRST_SECONDS:g} s",
-            where=log.source,
-            expected="v, or wheel speeds, from the start",
-        )
-    line = np.polynomial.Polynomial.fit(t[finite], speed[finite], 1)
-    return float(line(late))
+    unbraked = float(elapsed[braked[0]]) - SETTLE if braked.size else np.inf  # [s]
+    is_first = elapsed <= min(max(unbraked, _FIRST_SECONDS), COAST_SECONDS)
+    t, speed = elapsed[is_first], (log["v"] if "v" in log else _rim_speed(log, vehicle))[is_first]
+    is_finite = np.isfinite(speed)
+    if np.count_nonzero(is_finite[t <= _FIRST_SECONDS]) < 2:
+        flaw = f"no speed in the first {_FIRST_SECONDS:g} s"
+        raise LogError(flaw, where=log.source, expected="v, or wheel speeds, from the start")
+    line = np.polynomial.Polynomial.fit(t[is_finite], speed[is_finite], 1)
+    return float(line(delay))
 
 
-def _rolling_speed(log: Log, vehicle: Vehicle) -> Array:
+def _rim_speed(log: Log, vehicle: Vehicle) -> Array:
     """Mean of R omega [m/s] over the wheels that are logged; NaN if none is."""
-    axle = {"f": vehicle.front, "r": vehicle.rear}
+    radius = {"f": vehicle.front.rolling_radius, "r": vehicle.rear.rolling_radius}
     logged = [w for w in WHEELS if f"omega_{w}" in log]
-    speeds = [axle[w[0]].rolling_radius * log[f"omega_{w}"] for w in logged]
+    speeds = [radius[w[0]] * log[f"omega_{w}"] for w in logged]
     return np.asarray(np.mean(speeds, axis=0) if speeds else np.full(log.time.size, np.nan))
 
 
@@ -201,32 +188,31 @@ def _interpolated(
 
     Raises ModelError for a name not in ``names``, and for values that are not finite or not (n,).
     """
+    interpolated = {}
     for name, values in (inputs or {}).items():
         if name not in names:
             raise ModelError(f"unknown input {name!r}", expected=f"one of {', '.join(names)}")
         if values.shape != time.shape or not np.all(np.isfinite(values)):
-            raise ModelError(
-                f"values of shape {values.shape} or not finite",
-                where=name,
-                expected=f"{time.size} finite samples",
-            )
-    return {name: np.interp(clock, time, values) for name, values in (inputs or {}).items()}
+            flaw = f"values of shape {values.shape} or not finite"
+            raise ModelError(flaw, where=name, expected=f"{time.size} finite samples")
+        interpolated[name] = np.interp(clock, time, values)
+    return interpolated
 
 
 def _channels(run: Drive, state: SolverState, history: RunHistory) -> dict[str, Array]:
     """Return the readings of the car's sensors, (m,) each, by channel."""
-    model, brakes = run.brakes.model, run.brakes
-    a_x = as_read(model.vehicle, model.effects, history, -G * state.z)
+    model, brakes, effects = run.brakes.model, run.brakes, run.brakes.model.effects
+    a_x = as_read(model.vehicle, effects, history, -G * state.z)
     channels = {"time": run.time, "p_mc": run.inputs.p_mc, "a_x": a_x}
     v = run.moving(state.v)
     motion = Motion(v, *state.loads, history)
-    factors = wheel_speed_factors(model.vehicle, model.effects, motion)
+    factors = wheel_speed_factors(model.vehicle, effects, motion)
     for w in WHEELS:
         slip = model.tyre.wheel_slip(state.slip[brakes.twin(w)], v, run.time)
         omega = forces.wheel_speed(brakes.axle(w), slip, state.v)
-        omega = delayed(run.time, omega, reading_delay(model.effects, "wheel_speed_delay"))
+        omega = delayed(run.time, omega, reading_delay(effects, "wheel_speed_delay"))
         channels[f"omega_{w}"] = omega * factors[w] if w in factors else omega
-    return channels | {"v": delayed(run.time, state.v, reading_delay(model.effects, "speed_delay"))}
+    return channels | {"v": delayed(run.time, state.v, reading_delay(effects, "speed_delay"))}
 
 
 def _truth(run: Drive, state: SolverState, history: RunHistory) -> dict[str, Array]:

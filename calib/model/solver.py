@@ -125,11 +125,9 @@ def solve(run: Drive) -> SolverState:
         slip_changes = [(state.slip[w] - last.slip[w])[:end] for w in state.slip]
         if np.max(np.abs([v_change, *slip_changes])) < TOLERANCE:
             return state
-    raise ModelError(
-        f"the simulation did not converge in {_ITERATIONS} iterations",
-        where=run.brakes.model.vehicle.name,
-        do="check the parameters of the effects and the clock of the log",
-    )
+    flaw = f"the simulation did not converge in {_ITERATIONS} iterations"
+    do = "check the parameters of the effects and the clock of the log"
+    raise ModelError(flaw, where=run.brakes.model.vehicle.name, do=do)
 
 
 def history_of(run: Drive, state: SolverState) -> RunHistory:

@@ -31,13 +31,13 @@ from calib.table.budget import axle_parts
 from calib.table.table import Table, Value
 
 _ROLLER_PRESSURES = (10e5, 20e5, 30e5, 40e5)  # [Pa], as `measures.csv` tells the workshop
-_ROLLER_SCATTER = 0.005  # of a force of a roller brake tester, relative [1]: half its tolerance
+_ROLLER_SCATTER = 0.005  # relative sigma of a force on the rollers [1]: half of `TOLERANCE`
 _UNKNOWN_TYRES = 0.2  # sigma of ln of a slip stiffness [1], see `compliance` in beliefs.csv
 
 
 @dataclass(frozen=True)
 class Prior:
-    """What is known of a car before the measures."""
+    """A car as it is known before the measures."""
 
     vehicle: Vehicle
     track: Track
@@ -81,9 +81,9 @@ def _logarithm(x: Value) -> Value:
 def noise_of(densities: Mapping[str, float]) -> dict[str, NoiseLevel]:
     """Return white noise of the channels with the long-run noise ``densities`` of a table.
 
-    A density [unit * s^0.5] is the standard deviation of a mean over 1 s, see `SensorNoise`, so
-    that of a sample is sqrt(`RATE`) times larger. The density "omega" is of the mean of two wheels,
-    so that of a wheel is sqrt(2) times larger.
+    A density [unit * s^0.5] is the sigma of a mean over 1 s, see `SensorNoise`, so the sigma of a
+    sample is sqrt(`RATE`) times larger. The density "omega" is that of the mean of two wheels, so
+    the density of one wheel is sqrt(2) times larger.
     """
     per_sample = math.sqrt(RATE)
     wheel = NoiseLevel(math.sqrt(2.0) * densities["omega"] * per_sample)
@@ -124,13 +124,9 @@ def half_widths(prior: Prior, car: Model, steps: Sequence[Measure], seed: int) -
     runs = [drive(car, step, prior.track, prior.sensors) for step in steps if step.driven]
     noisy = [add_noise(run, seed + i, prior.noise) for i, run in enumerate(runs)]
     kinds, pads = {step.kind for step in steps}, (car.pad_friction_f, car.pad_friction_r)
-    table = fit(
-        prior.vehicle,
-        [*prior.logs, *noisy],
-        mass=prior.vehicle.mass if "weighing" in kinds else None,
-        bench=on_rollers(prior.vehicle, pads, seed) if "rollers" in kinds else None,
-    )
-    return widths_of(table)
+    mass = prior.vehicle.mass if "weighing" in kinds else None
+    bench = on_rollers(prior.vehicle, pads, seed) if "rollers" in kinds else None
+    return widths_of(fit(prior.vehicle, [*prior.logs, *noisy], mass=mass, bench=bench))
 
 
 def on_rollers(vehicle: Vehicle, pads: tuple[float, float], seed: int) -> RollerBench:

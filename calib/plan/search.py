@@ -1,4 +1,4 @@
-"""Search a sequence of measures, each of which makes the torques known better most for its time.
+"""Search a sequence of measures, where each next measure gains most for the time that it takes.
 
     gain = sum over front, rear, total torque of ln(half width before / half width after)
 
@@ -6,8 +6,7 @@ A width below the wanted one counts as the wanted one. The first measure is the 
 greatest mean gain over several cars, each with its own noise. Each next measure has the greatest
 gain per second for the mean car. A measure that gained next to nothing is not tried again, since
 gains diminish with every measure. The widths of a plan are medians over several cars. Its floors
-are those of the mean car: the widths after the plan and every measure that can be done here, but
-for further ramps.
+are widths of the mean car, after the plan and all other measures but ramps that can be done here.
 """
 
 import math
@@ -33,7 +32,7 @@ _Sequence = tuple[Measure, ...]  # measures in the order in which they are done
 
 
 class Want(NamedTuple):
-    """What a plan is to reach, and in which time."""
+    """The half widths that a plan is to reach, and the time for it."""
 
     widths: HalfWidths = HalfWidths()  # 0 where none is wanted
     seconds: float = math.inf  # time to spend [s]
@@ -129,11 +128,7 @@ def _time_after_another(measure: Measure) -> float:
 
 
 class _Search:
-    """The greedy search.
-
-    ``gains`` are those of the measures that were tried; ``impossible`` says why a measure cannot be
-    done.
-    """
+    """The greedy search, with the gains of the measures tried, and why others are impossible."""
 
     def __init__(self, prior: Prior, want: Want, in_parallel: MapFunction) -> None:
         self.prior, self.want, self.in_parallel = prior, want, in_parallel
@@ -240,7 +235,7 @@ def _outcomes(
     outcomes = list(in_parallel(partial(_outcome, prior), cases))
     for i in range(0, len(outcomes), count):
         reasons, widths = zip(*outcomes[i : i + count], strict=True)
-        yield next(filter(None, reasons), ""), list(widths)
+        yield next((reason for reason in reasons if reason), ""), list(widths)
 
 
 def _outcome(prior: Prior, case: tuple[int, _Sequence]) -> tuple[str, HalfWidths]:
