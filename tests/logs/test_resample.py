@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.base.errors import LogError
+from calib.logs.clock import on_line
 from calib.logs.resample import on_one_clock
 from calib.logs.source import ChannelTrace
 
@@ -25,6 +26,8 @@ def test_a_straight_line_stays_one_on_any_rasters(steps, others, late):
     """Linear interpolation is exact there, whatever the jitter; nothing lies outside."""
     fast, slow = np.cumsum(steps), np.cumsum(others) + late
     if min(fast[-1], slow[-1]) <= max(fast[0], slow[0]):
+        return
+    if on_line(fast)[1] or on_line(slow)[1]:  # taken for rounded times, which are moved
         return
     resampled = on_one_clock([trace("omega_fl", fast), trace("p_mc", slow)], "run")
     for values in resampled.values:
