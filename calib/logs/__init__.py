@@ -1,1 +1,1 @@
-"""One reader per file format; each returns a `Log`."""
+"""Read and write logs of many file formats."""

@@ -3,7 +3,7 @@
 columns of a log, channel map --assign--> for each channel its column and the conversion to SI
 """
 
-from collections import abc
+from collections import Counter, abc
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -35,7 +35,7 @@ class Mapping:
     sign: int = 1
     scale: float = 1.0
     offset: float = 0.0
-    delay: float = 0.0  # by which the channel was recorded late [s]
+    delay: float = 0.0  # [s], positive if the channel was recorded late
 
     def in_unit(self, written: Array) -> Array:
         """Convert values (n,) of the file to the unit of the mapping."""
@@ -44,9 +44,9 @@ class Mapping:
 
 @dataclass(frozen=True)
 class ChannelMap:
-    """The content of a channel map."""
+    """The content of a channel map; ``where`` is the path of its file."""
 
-    where: str  # path of the file
+    where: str
     channels: dict[str, Mapping]  # by canonical name
     text: TextFormat = DETECTED
     ignore: tuple[str, ...] = ()  # columns that are not to be channels
@@ -58,24 +58,24 @@ class Assigned:
     """A channel and its column in the file."""
 
     channel: str
-    index: int  # of the column
-    unit: str  # of the mapped values
-    si: str  # the SI unit of the channel
+    index: int  # index of the column
+    unit: str  # unit of the values after the mapping
+    si: str  # SI unit of the channel
     mapping: Mapping
-    source: str = ""  # name of the column
+    column: str  # name of the column
 
     def to_si(self, written: Array) -> Array:
         """Convert values (n,) of the file to SI."""
         return to_si(self.mapping.in_unit(written), self.unit, self.si)
 
     def named(self, trace: ChannelTrace) -> ChannelTrace:
-        """Give the trace the name of its channel; a flag becomes a state."""
-        return replace(trace, state=trace.state or self.channel in FLAGS, name=self.channel)
+        """Give a trace the name of its channel; a flag becomes a state."""
+        return replace(trace, is_state=trace.is_state or self.channel in FLAGS, name=self.channel)
 
     def origin(self) -> Origin:
         """Return how the SI value follows from the file; every conversion is linear."""
         at_zero, at_one = (float(v) for v in self.to_si(np.array([0.0, 1.0])))
-        return Origin(self.channel, self.source, self.unit, at_one - at_zero, at_zero)
+        return Origin(self.channel, self.column, self.unit, at_one - at_zero, at_zero)
 
 
 def assign(
@@ -86,10 +86,10 @@ def assign(
 ) -> tuple[list[Assigned], tuple[str, ...], list[str]]:
     """Return the channels of the file ``where``, the names of its other columns, and notes.
 
-    A channel is a column that the map names, or else a column with the name of a channel. An
-    optional channel that the map does not name is left out if its unit is not known. Raises
-    LogError for another channel without a known unit, and for a channel that is missing or occurs
-    twice; ChannelMapError for a source that is not in the file.
+    A channel is a column that the map names, or else a column with the name of a channel. If the
+    map does not name it and its unit is not known, an optional channel is left out, with a note.
+    Raises LogError for another channel without a known unit, and for a channel that is missing or
+    occurs twice; ChannelMapError for a source that is not in the file.
     """
     mapped = channel_map.channels if channel_map else {}
     ignore = channel_map.ignore if channel_map else ()
@@ -97,35 +97,27 @@ def assign(
     assigned = [_mapped(name, entry, columns, map_path, where) for name, entry in mapped.items()]
     mapped_indices, notes = {item.index for item in assigned}, list[str]()
     for index, column in enumerate(columns):
-        name, unit, quantity = column.name, column.unit, CHANNELS.get(column.name)
+        name, quantity = column.name, CHANNELS.get(column.name)
         if index in mapped_indices or name in mapped or name in ignore:
             continue
-        if quantity is None:
-            si = _truth_si(column) if name.startswith(TRUTH) else None
-        else:
-            si = quantity.si
-            is_needed = quantity.required or name in require
-            if not is_needed and not (unit and is_unit(unit, si)):
-                flaw = f"the unknown unit {unit!r}" if unit else "no unit"
-                do = "name its unit in the header or in a channel map"
-                notes.append(f"{name} has {flaw} and was left out: {do}")
-                continue
-        if si:
+        is_optional = quantity is not None and not quantity.required and name not in require
+        if quantity and is_optional and not is_unit(column.unit or "", quantity.si):
+            flaw = f"the unknown unit {column.unit!r}" if column.unit else "no unit"
+            do = "name its unit in the header or in a channel map"
+            notes.append(f"{name} has {flaw} and was left out: {do}")
+        elif si := quantity.si if quantity else _truth_si(column):
             assigned.append(assigned_column(name, index, column, Mapping(name), si, where))
-    by_channel: dict[str, list[int]] = {}
-    for item in assigned:
-        by_channel.setdefault(item.channel, []).append(item.index)
-    for channel, same in by_channel.items():
-        if len(same) > 1:
-            raise LogError(
-                "the channel occurs twice",
-                where=f"{where}: {channel}",
-                expected="one column of that name",
-                do=_choose_one(same, columns),
-            )
+    count = Counter(item.channel for item in assigned)
+    if twice := next((channel for channel in count if count[channel] > 1), None):
+        raise LogError(
+            "the channel occurs twice",
+            where=f"{where}: {twice}",
+            expected="one column of that name",
+            do=_choose_one([item.index for item in assigned if item.channel == twice], columns),
+        )
     indices = {item.index for item in assigned}
     ignored = tuple(c.name for i, c in enumerate(columns) if i not in indices)
-    _refuse_missing([name for name in require if name not in by_channel], ignored, where)
+    _refuse_missing([name for name in require if name not in count], ignored, where)
     return assigned, ignored, notes
 
 
@@ -173,7 +165,9 @@ def assigned_column(
 
 
 def _truth_si(column: Column) -> str | None:
-    """Return the SI unit of a truth channel by its name, or else by its unit, or None."""
+    """SI unit of a truth channel, by its name or else by its unit; None if there is none."""
+    if not column.name.startswith(TRUTH):
+        return None
     for stem, si in TRUTH_UNITS.items():
         if column.name.startswith(f"{stem}_"):
             return si

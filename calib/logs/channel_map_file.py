@@ -26,25 +26,25 @@ from calib.logs.text.dialect import SEPARATORS, TextFormat
 _Name = Annotated[str, Field(pattern=r"\S")]
 
 
-def _expected(form: str) -> WrapValidator:
-    """Return a validator that has one error for all wrong values: the ``form`` was expected."""
+def _expecting(form: str) -> WrapValidator:
+    """Return a validator whose error for any wrong value says that ``form`` was expected."""
 
-    def checked(written: object, handler: ValidatorFunctionWrapHandler) -> object:
+    def validate(written: object, handler: ValidatorFunctionWrapHandler) -> object:
         with suppress(ValidationError):
             if not isinstance(written, bool):  # pydantic would take true for 1
                 return handler(written)
         raise wrong(shortened(written), form)
 
-    return WrapValidator(checked)
+    return WrapValidator(validate)
 
 
-def _no_truth(name: str) -> str:
+def _refuse_truth(name: str) -> str:
     if name.startswith(TRUTH):
         raise wrong(f"{name!r} is a truth channel", "a measured column; truth only serves to score")
     return name
 
 
-def _not_zero(factor: float) -> float:
+def _refuse_zero(factor: float) -> float:
     if factor == 0:
         raise wrong("0 would make every value 0", "a factor")
     return factor
@@ -53,10 +53,10 @@ def _not_zero(factor: float) -> float:
 class _MappingSection(Section):
     """One channel; its keys are those of `Mapping`."""
 
-    source: Annotated[_Name, AfterValidator(_no_truth)]
+    source: Annotated[_Name, AfterValidator(_refuse_truth)]
     unit: str | None = None
-    sign: Annotated[Literal[1, -1], _expected("1 or -1 (use scale for factors)")] = 1
-    scale: Annotated[float, QuantityMark("1"), AfterValidator(_not_zero)] = 1.0
+    sign: Annotated[Literal[1, -1], _expecting("1 or -1 (use scale for factors)")] = 1
+    scale: Annotated[float, QuantityMark("1"), AfterValidator(_refuse_zero)] = 1.0
     offset: Annotated[float, QuantityMark("1")] = 0.0
     delay: Annotated[float, QuantityMark("s")] = 0.0
 
@@ -67,12 +67,12 @@ _ChannelsSection = by_name(
     "The mapped channels by canonical name.",
 )
 
-_SAMPLE = "time [s],p_mc [bar]\n0.005,-1.5e3\n"
+_SAMPLE = "time [s],p_mc [bar]\n0.005,-1.5e3\n"  # an encoding that can hold this can hold logs
 _NOT_FOR_LOGS = ("punycode", "idna", "unicode-escape", "raw-unicode-escape", "utf-7")
 """Python's codecs for domain names and source code; some of them take quadratic time."""
 
 
-def _encoding(name: str) -> str:
+def _refuse_unusable_encoding(name: str) -> str:
     try:
         can_hold_logs = (
             codecs.lookup(name).name not in _NOT_FOR_LOGS
@@ -93,10 +93,10 @@ class _TextSection(Section):
 
     separator: Annotated[str, OneOf(tuple(SEPARATORS))] | None = None
     decimal: Annotated[str, OneOf((".", ","))] | None = None
-    encoding: Annotated[str, AfterValidator(_encoding)] | None = None
+    encoding: Annotated[str, AfterValidator(_refuse_unusable_encoding)] | None = None
 
 
-_FIRST_FIT = Field(union_mode="left_to_right")
+_FIRST_FIT = Field(union_mode="left_to_right")  # of several types the first that fits is taken
 _Files = Annotated[_Name | list[_Name], _FIRST_FIT]
 _ByBus = Annotated[dict[_Name, _Files], Field(min_length=1)]
 _FILES = (
@@ -110,11 +110,11 @@ class ChannelMapFile(FileSchema):
 
     channels: _ChannelsSection | None = None  # type: ignore[valid-type]
     text: _TextSection | None = None
-    ignore: Annotated[list[_Name], _expected("a list of names of columns")] | None = None
-    dbc: Annotated[_Files | _ByBus, _FIRST_FIT, _expected(_FILES)] | None = None
+    ignore: Annotated[list[_Name], _expecting("a list of names of columns")] | None = None
+    dbc: Annotated[_Files | _ByBus, _FIRST_FIT, _expecting(_FILES)] | None = None
 
     @model_validator(mode="after")
-    def _says_something(self) -> Self:
+    def _refuse_empty(self) -> Self:
         if self.model_fields_set <= {"schema_version"}:
             raise wrong("key 'channels' is missing", "a value for 'channels'")
         return self

@@ -1,10 +1,13 @@
-"""The times of a log: mean step, repair of rounded times, refusal of impossible ones.
+"""The times of a log: mean step, repair of rounded times, errors of clocks.
 
-An even clock whose times were written with few digits is repaired (`on_line`):
+`on_line` repairs an even clock whose times were written with few digits:
 
 true      0.00000  0.00667  0.01333  0.02000      150 Hz
 written   0.000    0.007    0.013    0.020        whole milliseconds: steps of 7 and of 6 ms
 result    0.00000  0.00667  0.01333  0.02000      the line through all times: one even step
+
+`check_running` checks the times of frames, in the order of the file, before they are sorted.
+`check_clock` checks the times of a table or of a resampled recording.
 """
 
 import numpy as np
@@ -16,9 +19,10 @@ from calib.base.units import QUANTITIES, to_si
 
 REPEATED = 0.01  # largest share of rows [1] that repeat the time of the row before them
 GAP = 3.5  # a step longer than this many usual steps [1] is a gap; two lost samples make 3
-VALUES = 4
-"""Most different steps of an even clock with rounded times: 2, or 4 if a number of 32 bits grows
-past a power of two, where its own resolution doubles."""
+_MIN_SAMPLES = 50  # fewest samples of a log: 0.25 s at 200 Hz; fewer cannot be filtered
+_MOST_ROUNDED_STEPS = 4
+"""Most different steps between the rounded times of an even clock. There are 2; or 4 if a number of
+32 bits grows past a power of two, where its resolution doubles."""
 _FINE = 1e-3  # rounding below this share of a step [1] moves no result, and is not repaired
 
 
@@ -40,26 +44,19 @@ def step_of(time: Array) -> float:
 def on_line(time: Array) -> tuple[Array, tuple[str, ...]]:
     """Undo the rounding of the times [s] (n,) of an even clock.
 
-    Return the straight line through the times and a note. If they do not lie on a line within their
-    rounding, return them as they are and no note.
+    Return the straight line through the times and a note; or, if they do not lie on a line within
+    their rounding, the times themselves and no note.
     """
     if time.size < _MIN_SAMPLES:
         return time, ()
-    mean, steps = step_of(time), np.diff(time)
-    # The step of the clock is the common slope of the lines through the times of all parts between
-    # gaps, by least squares; x and y are sample numbers and times, less their mean in the part.
-    part = np.concatenate([[0], np.cumsum(steps > GAP * mean)])
-    number = np.concatenate([[0.0], np.cumsum(np.round(steps / mean))])
-    size = np.bincount(part)
-    x, y = (values - (np.bincount(part, values) / size)[part] for values in (number, time))
-    step = float(x @ y / (x @ x))
-    counts = np.round(steps / step)  # whole steps of the clock from row to row
-    single_steps = np.unique(np.round(steps[counts == 1] / step, 6)) * step
-    if counts.min() < 1.0 or not 2 <= single_steps.size <= VALUES:
+    steps, step = np.diff(time), _slope(time)
+    counts = np.round(steps / step)  # steps of the clock from row to row: 1, or more at a gap
+    rounded_steps = np.unique(np.round(steps[counts == 1] / step, 6)) * step
+    if counts.min() < 1.0 or not 2 <= rounded_steps.size <= _MOST_ROUNDED_STEPS:
         return time, ()
-    rounding = float(single_steps[-1] - single_steps[0])
+    rounding = float(rounded_steps[-1] - rounded_steps[0])  # resolution of the times [s]
     number = np.concatenate([[0.0], np.cumsum(counts)])
-    slope, start = np.polynomial.polynomial.Polynomial.fit(number, time, 1).convert().coef[::-1]
+    start, slope = np.polynomial.polynomial.Polynomial.fit(number, time, 1).convert().coef
     line = np.asarray(start + slope * number)
     if rounding < _FINE * step or np.max(np.abs(line - time)) > rounding:
         return time, ()
@@ -70,6 +67,20 @@ def on_line(time: Array) -> tuple[Array, tuple[str, ...]]:
     return line, (note,)
 
 
+def _slope(time: Array) -> float:
+    """Step of an even clock [s]: the slope of rounded times over the sample number.
+
+    It is the common slope, by least squares, of the lines through the parts between the gaps.
+    """
+    mean, steps = step_of(time), np.diff(time)
+    part = np.concatenate([[0], np.cumsum(steps > GAP * mean)])  # (n,) index of the part
+    number = np.concatenate([[0.0], np.cumsum(np.round(steps / mean))])
+    size = np.bincount(part)
+    # sample numbers and times, less their means in the part
+    x, y = (values - (np.bincount(part, values) / size)[part] for values in (number, time))
+    return float(x @ y / (x @ x))
+
+
 LATEST = 1e12  # latest time that a log can have [s]: far above the seconds since 1970
 _STEP_BACK = 0.1  # longest step back in time [s] between frames of several buses
 _STEPS_BACK = 0.25  # largest share of frames before which time steps back [1]
@@ -78,7 +89,7 @@ _STEPS_BACK = 0.25  # largest share of frames before which time steps back [1]
 def check_running(time: Array, where: str) -> None:
     """Raise LogError if timestamps [s] (n,) in the order of the file are disordered.
 
-    Those of several buses may step back a little: `_STEP_BACK`, `_STEPS_BACK`.
+    In a log of several buses time may step back a little: `_STEP_BACK`, `_STEPS_BACK`.
     """
     if not (np.abs(time) < LATEST).all():
         raise LogError("a timestamp is no time", where=where, do="export the log again")
@@ -101,18 +112,16 @@ def check_running(time: Array, where: str) -> None:
         )
 
 
-_MIN_SAMPLES = 50  # fewest samples of a log: 0.25 s at 200 Hz; fewer cannot be filtered
 _RATES = 40.0, 1000.0  # lowest and highest sample rate of a log [Hz]
 TIME_UNITS = {unit: to_si(1.0, unit, "s") for unit in QUANTITIES["s"][1]}
 """Size [s] of each unit of time."""
 _BURST = 0.25  # a step shorter than this share of the mean step [1] lies within a burst
 _BURSTS = 0.1  # largest share of steps within bursts [1]; frames of a bus wait for each other
 _FEWEST_BURSTS = 5  # fewest long steps between bursts; fewer are jumps of the clock
-_JUMPS = 0.3  # least share of a log [1] in the jumps of a clock whose ms have four digits
 
 
 def check_clock(time: Array, where: str, unit: str) -> None:
-    """Check ``time`` [s], shape (n,): enough samples, increasing, and `check_steps`."""
+    """Check that ``time`` [s] (n,) has enough samples, increases, and passes `check_steps`."""
     if time.size < _MIN_SAMPLES:
         raise LogError(
             f"only {time.size} samples", where=where, expected=f"at least {_MIN_SAMPLES}"
@@ -124,14 +133,14 @@ def check_clock(time: Array, where: str, unit: str) -> None:
 def check_steps(time: Array, where: str, unit: str = "s") -> None:
     """Check that a recorder can have made the steps of an increasing ``time`` [s] (n,).
 
-    Raises LogError if another unit of time than the ``unit`` of the file gives a likely sample
-    rate, for a clock that jumps over a part of each second, and for samples that come in bursts.
+    ``unit`` is the unit in the file. Raises LogError if another unit gives a likely sample rate and
+    this one does not, for a clock that jumps in every second, and for samples that come in bursts.
     """
     steps = np.diff(time)
-    median, mean = float(np.median(steps)), float(np.mean(steps))
-    shortest, longest = (1.0 / rate for rate in reversed(_RATES))
-    number = median / to_si(1.0, unit, "s")  # the step as the file has it
-    likely = [u for u, size in TIME_UNITS.items() if shortest <= number * size <= longest]
+    median = float(np.median(steps))
+    shortest, longest = 1.0 / _RATES[1], 1.0 / _RATES[0]
+    written_step = median / to_si(1.0, unit, "s")
+    likely = [u for u, size in TIME_UNITS.items() if shortest <= written_step * size <= longest]
     if likely and not 0.2 * shortest <= median <= 5.0 * longest:
         raise LogError(
             f"is the time in {likely[0]}, not {unit}? the step would be {_duration(median)}",
@@ -139,28 +148,31 @@ def check_steps(time: Array, where: str, unit: str = "s") -> None:
             expected=f"a rate of {_RATES[0]:.0f} Hz to {_RATES[1] / 1e3:.0f} kHz",
             do="correct the header, or give the unit in a channel map",
         )
-    # milliseconds written with a fourth digit run through a tenth of each second, then jump
-    jumps = np.flatnonzero(steps > 10.0 * median)
-    are_long = jumps.size > 1 and steps[jumps].sum() >= _JUMPS * (time[-1] - time[0])
-    if are_long and np.allclose(np.diff(time[jumps]), 1.0, atol=0.05):
-        jump = float(np.median(steps[jumps]))
-        raise LogError(
-            f"the clock jumps by {jump:.2g} s in every second, and counts only the rest",
-            where=f"{where}: time",
-            expected="parts of a second that go up to the next one",
-            do="are its milliseconds written with more than three digits? export the time in s",
-        )
-    if np.mean(steps < _BURST * mean) > _BURSTS:
-        if np.count_nonzero(steps > mean) < _FEWEST_BURSTS:
-            raise _jump(time, where)
-        long = float(np.median(steps[steps > mean]))
-        raise LogError(
-            f"samples come in bursts, every {_duration(long)}: their times are those at which an "
-            "adapter handed them out",
-            where=f"{where}: time",
-            expected="the time at which each was sent or measured",
-            do="record with time stamps of the hardware, or lower the latency of the adapter",
-        )
+    _check_bursts(time, where)
+
+
+def _check_bursts(time: Array, where: str) -> None:
+    """Raise LogError if many steps of a ``time`` [s] (n,) are far below the mean step."""
+    steps = np.diff(time)
+    mean = float(np.mean(steps))
+    if np.mean(steps < _BURST * mean) <= _BURSTS:
+        return
+    pauses = np.flatnonzero(steps > mean)
+    pause = float(np.median(steps[pauses]))
+    flaw = (
+        f"samples come in bursts, every {_duration(pause)}: their times are those at which an "
+        "adapter handed them out"
+    )
+    expected = "the time at which each was sent or measured"
+    do = "record with time stamps of the hardware, or lower the latency of the adapter"
+    # if milliseconds have four digits, .0999 is the last time of a second and the next is a whole
+    if pauses.size > 1 and np.allclose(np.diff(time[pauses]), 1.0, atol=0.05):
+        flaw = f"the clock jumps by {pause:.2g} s in every second, and counts only the rest"
+        expected = "parts of a second that go up to the next one"
+        do = "are its milliseconds written with more than three digits? export the time in s"
+    elif pauses.size < _FEWEST_BURSTS:
+        raise _jump(time, where)
+    raise LogError(flaw, where=f"{where}: time", expected=expected, do=do)
 
 
 def _jump(time: Array, where: str) -> LogError:
@@ -171,9 +183,10 @@ def _jump(time: Array, where: str) -> LogError:
         "cut the log there if two recordings were joined; if the clock was set, as to summer time, "
         "subtract the jump from the rows after it"
     )
-    # a time written as hhmmss jumps from ..59 to ..00 of the next hundred
-    second, next_second, near = time[row - 1] % 100.0, time[row] % 100.0, 2.0 * np.median(steps)
-    if second < 60.0 <= second + near and next_second < near:
+    # a time of day written as the number hhmmss jumps from ..59 to ..00 of the next hundred
+    second, next_second = time[row - 1] % 100.0, time[row] % 100.0
+    two_steps = 2.0 * np.median(steps)
+    if second < 60.0 <= second + two_steps and next_second < two_steps:
         do = f"if this is the time of day as hhmmss, convert it to seconds; {do}"
     return LogError(
         f"the clock jumps by {steps[row - 1]:.6g} s in row {row + 1}",
@@ -184,7 +197,7 @@ def _jump(time: Array, where: str) -> LogError:
 
 
 def _disorder(time: Array, row: int) -> tuple[str, str]:
-    """Say what is wrong with a ``time`` [s] (n,) that does not rise to ``row``, and what to do."""
+    """Name the flaw of a ``time`` [s] (n,) that does not increase to ``row``, and what to do."""
     steps, sorted_steps = np.diff(time), np.diff(np.sort(time))
     usual = float(np.median(sorted_steps))
     if np.all(steps < 0.0):

@@ -1,7 +1,7 @@
-"""Find pressures that were not measured: another column of the log, times a constant.
+"""Find pressures that were not measured, but computed as a constant times another column.
 
-The bus of some cars has the demanded brake torque and no pressure. Some decoders call this torque
-over a constant a pressure.
+The bus of some cars carries the demanded brake torque and no pressure. Some decoders divide this
+torque by a constant and call the result a pressure.
 """
 
 from collections.abc import Collection, Iterator, Mapping
@@ -14,7 +14,7 @@ from calib.base.names import WHEEL_PRESSURES
 from calib.base.units import UnknownUnit, from_si, si_of, spelling
 from calib.base.warning import LIMITS
 from calib.logs.log import ComputedPressure
-from calib.logs.source import ColumnSource, Recording, each_of
+from calib.logs.source import ColumnSource, Recording, read_each
 
 
 def computed_pressures(
@@ -28,15 +28,15 @@ def computed_pressures(
     if isinstance(source, Recording) or not names:
         return
     pressures = {name: from_si(channels[name], "bar", "Pa") for name in names}
-    others = [
-        (index, column)
+    indices = [
+        index
         for index, column in enumerate(source.columns)
         if column.name in ignored and is_other_quantity(column.unit)
     ]
-    written = each_of(source.read, [index for index, _ in others])
-    for (_, column), values in zip(others, written, strict=True):
+    for index, values in zip(indices, read_each(source.read, indices), strict=True):
         if isinstance(values, LogError):
             continue
+        column = source.columns[index]
         for channel, pressure in pressures.items():
             factor = factor_between(pressure, values) if values.size == pressure.size else None
             if factor is not None:
@@ -44,9 +44,9 @@ def computed_pressures(
 
 
 def factor_between(channel: Array, other: Array) -> float | None:
-    """Return the least-squares c of channel = c * other, both (n,); None if a residual is large.
+    """Return the c of channel = c * other, both (n,), by least squares; None if it does not hold.
 
-    The limit is a small share of the range of ``channel``.
+    It holds if all residuals are below a small share of the range of ``channel``.
     """
     channel_range = float(np.ptp(channel))
     if channel_range == 0.0 or not np.isfinite(other).all() or np.ptp(other) == 0.0:
@@ -57,10 +57,10 @@ def factor_between(channel: Array, other: Array) -> float | None:
 
 
 def is_other_quantity(unit: str | None) -> bool:
-    """Whether a pressure may be computed from a column with this unit.
+    """Whether a column with this unit may be the source of a computed pressure.
 
-    Not from a pressure: it may be the same one in another unit. Not from a number without a unit:
-    it may be the raw count of the pressure.
+    A pressure is no such source, since it may be the same pressure in another unit; nor is a number
+    without a unit, since it may be the raw count of the pressure.
     """
     try:
         has_no_unit = unit is None or spelling(unit) in ("1", "-")

@@ -20,7 +20,7 @@ from calib.logs.channel_map import Assigned, Databases
 from calib.logs.mdf import open_mdf
 from calib.logs.parquet import open_parquet
 from calib.logs.resample import on_one_clock
-from calib.logs.source import ChannelTrace, ColumnSource, Recording, each_of
+from calib.logs.source import ChannelTrace, Column, ColumnSource, Recording, read_each
 from calib.logs.text.csv import open_csv
 from calib.logs.text.dialect import TextFormat
 from calib.logs.text.vbo import open_vbo
@@ -40,11 +40,11 @@ _KINDS: tuple[tuple[bytes, str, tuple[str, ...]], ...] = (
     (rb"(?i:<\?xml)", "an XML file", ()),
     (rb"\{", "a JSON file", ()),
 )
-"""Pattern of the first bytes, name of the kind of file, and its right endings."""
+"""Pattern of the first bytes of a kind of file, its name, and the endings that it may have."""
 
 
 def refuse_other_kind(head: bytes, ending: str, where: object) -> None:
-    """Raise LogError if ``head``, the first 64 bytes, belongs to another kind of file."""
+    """Raise LogError if ``head``, the first 64 bytes, is that of another kind than ``ending``."""
     if head.startswith(POINTER):
         raise LogError(
             "a pointer of git LFS, not the log itself",
@@ -71,7 +71,7 @@ TABLES: dict[str, Callable[[bytes, str, TextFormat], ColumnSource]] = {
     ".parquet": open_parquet,
     ".vbo": open_vbo,
 }
-"""Function that opens the bytes of a table, by file ending."""
+"""By file ending: the function that opens the bytes of a table; it takes bytes, path and format."""
 
 
 def ending_of(path: Path) -> str:
@@ -92,7 +92,7 @@ RECORDINGS: dict[str, Callable[[Path, Databases], Recording]] = {
     ".blf": open_blf,
     **dict.fromkeys(TEXT_LOGS, open_text_log),
 }
-"""Function that opens a recording, by file ending, from its path and the DBC files of the map."""
+"""By file ending: the function that opens a recording from its path and the files of the map."""
 
 
 def as_table(
@@ -100,32 +100,39 @@ def as_table(
 ) -> ColumnSource:
     """Return a table as it is, and a recording as a table with all channels on one clock.
 
-    ``assigned`` columns, by index, get the names of their channels. A column of whole numbers
-    without a unit is taken for a state. Reading a column that cannot be decoded raises LogError.
+    ``assigned`` columns, by index, get the names of their channels. Reading a column that cannot be
+    decoded raises LogError.
     """
     if isinstance(opened, ColumnSource):
         return opened
-    refused, traces = dict[int, LogError](), dict[int, ChannelTrace]()
+    errors, traces = dict[int, LogError](), dict[int, ChannelTrace]()
     indices = range(1, len(opened.columns))  # column 0 is the clock
-    for i, trace in zip(indices, each_of(opened.read, indices), strict=True):
+    for i, trace in zip(indices, read_each(opened.read, indices), strict=True):
         if isinstance(trace, LogError):
-            refused[i] = trace
+            errors[i] = trace
         elif assigned and i in assigned:
             traces[i] = assigned[i].named(trace)
         else:
-            column, values = opened.columns[i], trace.values[np.isfinite(trace.values)]
-            # a car has no value between two gears, or between two states of a flag
-            is_counted = not column.unit and bool(np.all(values == np.round(values)))
-            traces[i] = replace(trace, name=column.full_name, state=trace.state or is_counted)
+            traces[i] = _unassigned(trace, opened.columns[i])
     resampled = on_one_clock([*traces.values()], where)
     arrays = dict(zip((0, *traces), (resampled.time, *resampled.values), strict=True))
 
     def read(indices: Sequence[int]) -> list[Array]:
         for index in indices:
-            if index in refused:
-                raise refused[index]
+            if index in errors:
+                raise errors[index]
         return [arrays[index] for index in indices]
 
     by_name = resampled.rates
     rates = {i: by_name[trace.name] for i, trace in traces.items() if trace.name in by_name}
     return ColumnSource(opened.columns, read, opened.notes + resampled.notes, rates)
+
+
+def _unassigned(trace: ChannelTrace, column: Column) -> ChannelTrace:
+    """Give a trace the full name of its column; whole numbers without a unit become a state.
+
+    They may be gears or flags, between which a car has no value.
+    """
+    values = trace.values[np.isfinite(trace.values)]
+    is_counted = not column.unit and bool(np.all(values == np.round(values)))
+    return replace(trace, name=column.full_name, is_state=trace.is_state or is_counted)

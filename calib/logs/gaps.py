@@ -1,11 +1,12 @@
 """Bridge the short gaps of a channel, such as those of lost CAN messages, with straight lines.
 
-. . . .------. . . .    both sides lead to the middle of the bridge: the gap is bridged
+. . . .------. . . .    the lines through both sides meet in the middle: the gap is bridged
 
              . . . .
 . . . .                 they do not: something happened in the gap, which stays open
 
-A log that still has gaps loses its open ends and the channels that no calibration needs.
+Where gaps stay open, the ends of the log are cut (`without_open_ends`), and channels that no
+calibration needs are left out (`complete_channels`).
 """
 
 from collections.abc import Mapping
@@ -24,7 +25,7 @@ BRIDGE = 0.2  # longest gap that is bridged [s]: a brake pressure can build up i
 _SIDE = 0.1  # time on either side of a gap [s] in which the channel must be smooth
 _NEAR = 0.5  # time on either side of a gap [s] whose samples show the noise of the channel
 _FEWEST = 4  # fewest samples of a side: a line fits three samples too easily
-INSTANT = 1e-9  # times nearer to each other [s] are damaged: recorders count no finer
+INSTANT = 1e-9  # shortest step of a clock [s]: recorders count no finer
 _SMOOTH = 0.01  # largest error of a bridge besides the noise, over the channel's range [1]
 ENDS = 1.0  # longest time [s] at either end of a log for which a channel may have no value
 ONLY = f"only up to {BRIDGE:g} s, and where the channel is smooth around the gap"
@@ -41,7 +42,7 @@ class ChannelHole:
 
 
 class Filled(NamedTuple):
-    """A channel at the wanted times, and its gaps of more than `GAP` steps."""
+    """A channel at other times, and its gaps of more than `GAP` steps."""
 
     values: Array  # (m,)
     bridged: tuple[ChannelHole, ...] = ()
@@ -61,9 +62,9 @@ def fill(channel: str, t: Array, x: Array, times: Array) -> Filled:
     step, steps, tolerance = step_of(t), np.diff(t), _SMOOTH * float(np.ptp(x))
     bridged, left_open = [], []
     for i in np.flatnonzero(steps > GAP * step):
-        inside = slice(np.searchsorted(times, t[i], side="right"), np.searchsorted(times, t[i + 1]))
-        if inside.start == inside.stop:
-            continue  # no value is wanted there
+        inside = (times > t[i]) & (times < t[i + 1])
+        if not inside.any():
+            continue
         gap = ChannelHole(channel, float(t[i]), float(steps[i]))
         if gap.length <= BRIDGE * (1.0 + 1e-6) and _is_smooth(t, x, int(i), step, tolerance):
             bridged.append(gap)
@@ -76,10 +77,10 @@ def fill(channel: str, t: Array, x: Array, times: Array) -> Filled:
 def fill_rows(
     channels: Mapping[str, Array], time: Array
 ) -> tuple[dict[str, Array], list[str], list[ChannelHole]]:
-    """Fill the rows in which a channel (n,) is NaN, as `fill` does; ``time`` [s] (n,).
+    """Fill the rows in which a channel (n,) is NaN, as `fill` does; ``time`` is in s, (n,).
 
     Return the channels, notes and the bridged gaps. A channel with an infinite value or fewer than
-    two values stays as it is, and so do all channels if the times do not increase.
+    two values is not changed; if the times do not increase, no channel is.
     """
     values, notes, bridged = dict(channels), [], list[ChannelHole]()
     if not is_ascending(time):
@@ -114,31 +115,38 @@ def in_words(filled: Filled) -> list[str]:
 
 
 def _is_smooth(t: Array, x: Array, i: int, step: float, tolerance: float) -> bool:
-    """Whether both sides of the gap after sample ``i`` are straight and lead to its middle.
+    """Whether the gap after sample ``i`` has straight sides that meet in the middle.
 
-    ``tolerance`` [unit of ``x``] is added to the noise.
+    ``t`` [s] and ``x`` are (n,), ``step`` is the mean step [s]. The sides may be off by the noise
+    and ``tolerance`` [unit of ``x``].
     """
     reach = max(_SIDE, float(t[i + 1] - t[i]), (_FEWEST + 0.5) * step)
     first, end = np.searchsorted(t, [t[i] - reach, t[i + 1] + reach])
     sides = slice(first, i + 1), slice(i + 1, end)
     if min(side.stop - side.start for side in sides) < _FEWEST:
         return False
-    # The noise is found from the distance of samples to the line through their two neighbours,
-    # whose variance is 1.5 times that of the noise. The 0.8 quantile, for normal noise 1.2816
-    # sigma, leaves a few steps aside, and is not 0 for noise that is cut off at zero.
     near = slice(*np.searchsorted(t, [t[i] - _NEAR, t[i + 1] + _NEAR]))
-    t_near, x_near = t[near], x[near]
-    weight = (t_near[1:-1] - t_near[:-2]) / (t_near[2:] - t_near[:-2])
-    off_line = x_near[1:-1] - (1.0 - weight) * x_near[:-2] - weight * x_near[2:]
-    noise = float(np.quantile(np.abs(off_line), 0.8) / 1.2816 / np.sqrt(1.5))
+    noise = _noise(t[near], x[near])
     t_middle, x_middle = 0.5 * (t[i] + t[i + 1]), 0.5 * (x[i] + x[i + 1])
     return all(_leads_to_origin(t[s] - t_middle, x[s] - x_middle, noise, tolerance) for s in sides)
+
+
+def _noise(t: Array, x: Array) -> float:
+    """Standard deviation of the noise of samples ``x`` (k,) at uneven times ``t`` [s] (k,).
+
+    The distance of a sample from the line through its two neighbours has 1.5 times the variance of
+    the noise. The 0.8 quantile of normal distances is 1.2816 sigma. Unlike the mean square it
+    ignores a few steps, and unlike the median it is not 0 for noise that is cut off at zero.
+    """
+    weight = (t[1:-1] - t[:-2]) / (t[2:] - t[:-2])
+    distance = x[1:-1] - (1.0 - weight) * x[:-2] - weight * x[2:]
+    return float(np.quantile(np.abs(distance), 0.8) / 1.2816 / np.sqrt(1.5))
 
 
 def _leads_to_origin(t: Array, x: Array, noise: float, tolerance: float) -> bool:
     """Whether the samples of a side (k,) lie on a line that goes through the origin.
 
-    The origin is the mean of the two samples beside the gap, whose variance is 0.5 ``noise``^2.
+    The origin is the mean of the two samples beside the gap, so its variance is 0.5 ``noise``^2.
     """
     t_mean, x_mean = float(t.mean()), float(x.mean())
     spread = float(np.sum((t - t_mean) ** 2))
@@ -155,7 +163,7 @@ def _leads_to_origin(t: Array, x: Array, noise: float, tolerance: float) -> bool
 def without_open_ends(channels: dict[str, Array]) -> tuple[dict[str, Array], tuple[str, ...]]:
     """Cut the rows at both ends in which a channel has no value; return the channels and a note.
 
-    A channel that lacks values for more than `ENDS` at an end does not cut: this is a gap.
+    A channel that has no value for more than `ENDS` at an end cuts nothing: its gap stays.
     """
     time = channels["time"]
     if not np.isfinite(time).all():
@@ -165,11 +173,11 @@ def without_open_ends(channels: dict[str, Array]) -> tuple[dict[str, Array], tup
         empty = np.isnan(values)
         if name not in CHANNELS or not empty.any() or empty.all():
             continue
-        first, last = int(np.argmin(empty)), values.size - 1 - int(np.argmin(empty[::-1]))
+        first, last = np.flatnonzero(~empty)[[0, -1]]  # rows with a value
         are_short = time[first] - time[0] <= ENDS and time[-1] - time[last] <= ENDS
         if are_short and (first > 0 or last + 1 < time.size):
             trimmed.append(name)
-            begin, end = max(begin, first), min(end, last + 1)
+            begin, end = max(begin, int(first)), min(end, int(last) + 1)
     if not trimmed or begin >= end:
         return channels, ()
     note = (

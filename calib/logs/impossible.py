@@ -1,14 +1,14 @@
 """Mark impossible samples: a decoder writes zeros or the largest value of a type for "no value".
 
 omega  97.1 97.0 327.7 327.7 96.9 96.8    no tyre turns a wheel so much faster, and back
-omega  97.1 97.0   0.0  96.9  96.8        no brake stops a wheel for one sample
+omega  97.1 97.0   0.0   0.0 96.9 96.8    no brake stops a wheel for two samples
           kept  |  marked  |  kept
 
 A channel is cut into parts where the step between two samples is impossible. The longest part is
-taken as true, and the other parts are judged from it, forwards and backwards.
+taken as true. From there each later part, then each earlier part, is kept or marked.
 
-Marked samples have no value any more: `calib.logs.gaps` bridges a few of them where the channel is
-smooth; a log with more of them is refused.
+Marked samples become NaN. `calib.logs.gaps` bridges a few of them where the channel is smooth; a
+log with more of them is refused.
 """
 
 from collections.abc import Mapping
@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from calib.base.arrays import Array, Mask
+from calib.base.arrays import Array, Index, Mask
 from calib.base.errors import LogError
 from calib.base.intervals import white_noise
 from calib.base.names import CHANNELS, WHEEL_SPEEDS
@@ -28,34 +28,32 @@ from calib.logs.gaps import BRIDGE, ENDS, ChannelHole, fill_rows
 
 
 class _Possible(NamedTuple):
-    """Bounds of a channel; values in its SI unit, rates in this unit per second.
+    """What a channel can do, in its SI unit and per second; see `_largest_changes`."""
 
-    The rates hold in steps of up to `_QUICK` [s]; in longer steps ``slow_rate`` is added.
-    """
-
-    rise: float  # fastest rate of a rise
-    to_zero: float  # fastest rate of a change from or to exactly 0
-    zero_jump: float  # a change from or to 0 that is always possible
-    slow_rate: float
+    rise: float  # fastest rise, in up to `_QUICK` [s]
+    to_zero: float  # fastest change from or to exactly 0, in up to `_QUICK` [s]
+    zero_jump: float  # change from or to 0 that is possible in any step
+    slow_rate: float  # fastest change of the car, which is added in steps longer than `_QUICK`
     largest: float  # largest value
-    short_only: bool = False  # whether only parts are marked that are short enough for a bridge
+    is_short_only: bool = False  # whether a part is marked only if it is short enough for a bridge
 
 
 _POSSIBLE = {
+    # columns: rise, to_zero, zero_jump, slow_rate, largest
     # A tyre turns a wheel faster with at most mu F_z r/J = 1.2 * 6 kN * 0.32 m/0.9 kg m^2. A wheel
     # that locks falls to 0 in steps; its sensor shows 0 below a least speed, up to 20 rad/s.
     **dict.fromkeys(WHEEL_SPEEDS, _Possible(2500.0, 1500.0, 20.0, 40.0, 400.0)),
-    # v of a receiver may stand still, then jump, as after a bridge: only its zeros can be judged
+    # a satellite speed stands still under a bridge, then jumps: only its zeros can be judged
     "v": _Possible(np.inf, 100.0, 6.0, 15.0, 120.0),
     # the fastest brakes rise by 1000 bar/s; a pressure falls to 0 in steps if the pedal is let go
-    "p_mc": _Possible(np.inf, 2e8, 1e6, np.inf, 4e7, short_only=True),
-    # a bump moves a_x by any step; sensors of cars end below 5 g
+    "p_mc": _Possible(np.inf, 2e8, 1e6, np.inf, 4e7, is_short_only=True),
+    # a bump changes a_x by any step; sensors of cars end below 5 g
     "a_x": _Possible(np.inf, np.inf, np.inf, np.inf, 50.0),
 }
 
 _QUICK = 0.05  # longest step [s] in which a wheel changes its speed, and the car does not
-_NOISE_SIGMAS = 10.0  # a jump by this many standard deviations of the noise is possible [1]
-_JUMP = 2.0  # a jump up to this [SI] is possible: a lost pulse of 48 for a turn makes 2 rad/s
+_NOISE_SIGMAS = 10.0  # a rise by this many standard deviations of the noise is possible [1]
+_JUMP = 2.0  # a rise by this [SI] is possible: one lost pulse of 48 in a turn makes 2 rad/s
 FEW = 0.02  # largest share of impossible samples [1]; a log with more of them is refused
 
 
@@ -91,7 +89,7 @@ def without_impossible(
         for name, possible in _POSSIBLE.items()
         if name in values
     }
-    if set(WHEEL_SPEEDS) <= masks.keys():  # where all wheels are marked, the whole row is lost
+    if set(WHEEL_SPEEDS) <= masks.keys():  # where all wheels are marked, all zeros are marked
         all_wheels = np.logical_and.reduce([masks[name] for name in WHEEL_SPEEDS])
         for name, mask in masks.items():
             mask |= all_wheels & (values[name] == 0.0)
@@ -117,6 +115,7 @@ def without_impossible(
 
 
 def _impossible(time: Array, x: Array, possible: _Possible) -> Mask:
+    """Mask (n,) of the values that are too large or `_unreachable`."""
     mask = np.isfinite(x) & (np.abs(x) > possible.largest)
     if np.count_nonzero(mask) > FEW * x.size:  # a wrong unit, which `calib.run` reports
         return np.zeros(x.size, np.bool_)
@@ -124,17 +123,13 @@ def _impossible(time: Array, x: Array, possible: _Possible) -> Mask:
     if present.size > 2:
         shortest_step = float(np.min(np.diff(time[present])))
         always_possible = min(possible.zero_jump, possible.rise * shortest_step + _JUMP)
-        if np.max(np.abs(np.diff(x[present]))) > always_possible:
+        if np.max(np.abs(np.diff(x[present]))) > always_possible:  # saves time: most logs pass
             mask[present] = _unreachable(time[present], x[present], possible)
     return mask
 
 
 def _unreachable(time: Array, x: Array, possible: _Possible) -> Mask:
-    """Mask (n,) of the parts that cannot be reached from the longest part.
-
-    These begin at or below zero, which the channel cannot reach so fast, or above what the channel
-    can rise to. A lower part is kept: in slow messages a wheel begins to slip in one step.
-    """
+    """Mask (n,) of the parts of ``x`` (n,) that cannot be reached from the longest part."""
     tolerance = 0.0
     if np.isfinite(possible.rise):
         tolerance = max(_JUMP, _NOISE_SIGMAS * white_noise(x, 2))
@@ -147,22 +142,11 @@ def _unreachable(time: Array, x: Array, possible: _Possible) -> Mask:
         return mask
     edges = np.concatenate([[0], cuts, [x.size]])  # part i holds the samples edges[i]:edges[i + 1]
     longest = int(np.argmax(np.diff(edges)))
-    later_parts, earlier_parts = range(longest + 1, edges.size - 1), range(longest - 1, -1, -1)
-    for parts, is_later in ((later_parts, True), (earlier_parts, False)):
-        # last sample that was kept, in the direction of the loop, and the level that it leaves
-        last = int(edges[longest + 1]) - 1 if is_later else int(edges[longest])
-        level = x[last]
-        for part in parts:
-            begin, end = edges[part], edges[part + 1]
-            near, far = (begin, end - 1) if is_later else (end - 1, begin)
-            rise, to_zero = _largest_changes(np.abs(time[near] - time[last]), tolerance, possible)
-            if (x[near] <= 0.0 and level > to_zero) or x[near] > level + rise:
-                mask[begin:end] = True
-                continue
-            # the level after a kept part, which may have slipped: what the car can have lost since
-            slowed = possible.slow_rate * abs(float(time[far] - time[last]))
-            last, level = int(far), max(x[far], level - slowed)
-    if possible.short_only:
+    _mark_later(mask, time, x, edges[longest + 1 :], tolerance, possible)
+    # earlier parts are judged in the same way, backwards in time
+    backwards = x.size - edges[longest::-1]
+    _mark_later(mask[::-1], -time[::-1], x[::-1], backwards, tolerance, possible)
+    if possible.is_short_only:
         is_short = np.zeros(x.size, np.bool_)
         for begin, end in pairwise(edges[1:-1]):
             is_short[begin:end] = time[end] - time[begin - 1] <= BRIDGE
@@ -170,8 +154,28 @@ def _unreachable(time: Array, x: Array, possible: _Possible) -> Mask:
     return mask
 
 
+def _mark_later(
+    mask: Mask, time: Array, x: Array, edges: Index, tolerance: float, possible: _Possible
+) -> None:
+    """Set ``mask`` (n,) in the impossible parts after the longest part, which ends at ``edges[0]``.
+
+    A part is impossible if it begins at or below zero and the channel cannot fall so fast, or if it
+    begins higher than the channel can rise. Another part that begins lower is kept: in slow
+    messages a wheel begins to slip in one step.
+    """
+    last = int(edges[0]) - 1  # last sample of the parts that were kept
+    level = x[last]  # from which the channel rises or falls
+    for begin, end in pairwise(edges.tolist()):
+        rise, to_zero = _largest_changes(time[begin] - time[last], tolerance, possible)
+        if (x[begin] <= 0.0 and level > to_zero) or x[begin] > level + rise:
+            mask[begin:end] = True
+        else:  # a wheel that slips in this part may return to the speed of the car
+            slowed = possible.slow_rate * float(time[end - 1] - time[last])
+            last, level = end - 1, max(x[end - 1], level - slowed)
+
+
 def _largest_changes(step: Array, tolerance: float, possible: _Possible) -> tuple[Array, Array]:
-    """Largest possible rise in a ``step`` [s], and largest change from or to exactly 0."""
+    """Largest possible rise in each ``step`` [s] (n,), and largest change from or to exactly 0."""
     quick = np.minimum(step, _QUICK)
     slow_change = np.where(step > _QUICK, possible.slow_rate, 0.0) * step
     to_zero = np.maximum(possible.zero_jump, possible.to_zero * quick)

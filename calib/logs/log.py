@@ -1,4 +1,4 @@
-"""A log as it was read, whatever its format."""
+"""A log: the channels of one run in SI, and what its reader changed."""
 
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -38,7 +38,7 @@ class Log:
     source: str
     digest: str  # SHA-256 of the file, or of the content of a simulation
     channels: dict[str, Array]  # [SI] (n,) by canonical name, among them ``time``
-    truth: dict[str, Array] = field(default_factory=dict)  # of a simulation, to score estimates
+    truth: dict[str, Array] = field(default_factory=dict)  # [SI] (n,) of a simulation, for scores
     ignored: tuple[str, ...] = ()  # columns that are no channels
     notes: tuple[str, ...] = ()  # what the reader changed
     origins: tuple[Origin, ...] = ()

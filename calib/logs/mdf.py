@@ -1,4 +1,4 @@
-"""ASAM MDF 3 and 4, read with asammdf: measured channels, and bus frames with a DBC."""
+"""Read ASAM MDF 3 and 4 with asammdf: measured channels, and bus frames with a DBC."""
 
 import io
 import logging
@@ -24,7 +24,7 @@ from calib.logs.channel_map import Databases
 from calib.logs.mdf_check import check_mdf
 from calib.logs.source import CLOCK, ChannelTrace, Column, Recording, damaged
 
-_VALUE_TO_TEXT = {"3": (11, 12), "4": (7, 8)}  # types of conversion, by version
+_VALUE_TO_TEXT = {"3": (11, 12), "4": (7, 8)}  # types of conversion to text, by version of MDF
 _FRAME = "CAN_DataFrame"  # name of the channel for data frames in the ASAM standard
 _TIME_SYNC = 1  # type of a master channel of MDF 4 that holds time, not angle or distance
 _Place = tuple[int, int]  # numbers of the group and of the channel in it
@@ -71,7 +71,7 @@ def _recording(mdf: Any, dbc: Databases, notes: list[str], where: str) -> Record
     signal_columns, signals = described_signals(frames, database)
 
     def read(indices: Sequence[int]) -> list[ChannelTrace]:
-        # index 0 is the clock, then come the measured channels, then the signals
+        # column 0 is the clock; the measured channels follow, then the signals
         first_signal = 1 + len(places)
         chosen = [places[i - 1] for i in indices if i < first_signal]
         measured = dict(zip(chosen, _traces(mdf, chosen, titles, where), strict=True))
@@ -85,10 +85,10 @@ def _recording(mdf: Any, dbc: Databases, notes: list[str], where: str) -> Record
 
 
 def _check_groups(mdf: Any, counts: dict[int, int], where: str) -> None:
-    """Check what asammdf does not check. Raises LogError for a file that is damaged or too large.
+    """Raise LogError for damage that asammdf does not notice, and for a file that is too large.
 
     A channel must lie within its record, and a group of an unfinished file must have the number of
-    records in ``counts``.
+    records in ``counts``, by its first byte.
     """
     for group in mdf.groups:
         record = group.channel_group
@@ -131,7 +131,7 @@ def _channels(
 
 
 def _titles(mdf: Any) -> list[str]:
-    """Return the names of the groups; a name that several have is followed by their number."""
+    """Return the names of the groups; a name that is not unique gets the number of the group."""
     groups = enumerate(mdf.groups)
     names = [getattr(g.channel_group, "acq_name", "") or f"group {i}" for i, g in groups]
     return [f"{name}#{i}" if names.count(name) > 1 else name for i, name in enumerate(names)]
@@ -148,8 +148,8 @@ def _traces(
         count = len(signal.samples)  # a sample may be an array
         if not count == signal.timestamps.size == cycles:
             raise _too_few("samples", count, cycles, f"{where}: {channel}")
-        values, state = _values(mdf, place, signal, f"{where}: {channel}")
-        result.append(ChannelTrace(titles[number], signal.timestamps, values, state))
+        values, is_state = _values(mdf, place, signal, f"{where}: {channel}")
+        result.append(ChannelTrace(titles[number], signal.timestamps, values, is_state))
     return result
 
 
@@ -166,27 +166,28 @@ def _select(mdf: Any, places: Sequence[_Place], names_as_numbers: bool, where: s
 def _values(mdf: Any, place: _Place, signal: Any, where: str) -> tuple[np.ndarray, bool]:
     """Return the values (n,) of a channel, and whether it is a state: all its values have names.
 
-    If only some values have names, such as "not available", they are NaN, as invalid samples are.
+    If only some values have names, such as "not available", these become NaN, and so do invalid
+    samples.
     """
     conversion = mdf.groups[place[0]].channels[place[1]].conversion
     kinds = _VALUE_TO_TEXT["4" if str(mdf.version).startswith("4") else "3"]
-    state = bool(conversion) and conversion.conversion_type in kinds
+    is_state = bool(conversion) and conversion.conversion_type in kinds
     samples = signal.samples
-    if state:
+    if is_state:
         named_as_nan = _select(mdf, [place], False, where)[0].samples
-        if named_as_nan.dtype.kind in "iuf":  # text if all values have names
-            samples, state = named_as_nan, False
+        if named_as_nan.dtype.kind in "iuf":  # numbers, not text: some values have no names
+            samples, is_state = named_as_nan, False
     if samples.dtype.kind not in "biuf" or samples.ndim != 1:
         flaw = f"holds {samples.dtype}, shape {samples.shape[1:]}"
         raise LogError(flaw, where=where, expected="a numeric channel")
     values = samples.astype(np.float64)
     if signal.invalidation_bits is not None:
         values[np.asarray(signal.invalidation_bits, bool)] = np.nan
-    return values, state
+    return values, is_state
 
 
 def _frames(mdf: Any, groups: list[int], database: Dbc, where: str) -> list[Frames]:
-    """Return the frames that the database describes, by message, of all groups together."""
+    """Return the frames that the database describes, for each message those of all groups."""
     records = [_frame_records(mdf, number, where) for number in groups]
     parts = [record for record in records if record is not None]
     if not parts:
@@ -198,7 +199,7 @@ def _frames(mdf: Any, groups: list[int], database: Dbc, where: str) -> list[Fram
     length = np.concatenate([part.length for part in parts])
     result = []
     for code in np.unique(codes).tolist():
-        bus, key = f"{code >> 30}", (code & 0x1FFFFFFF, bool(code >> 29 & 1))
+        bus, key = f"{code >> 30}", (code & 0x1FFFFFFF, bool(code >> 29 & 1))  # as `_FrameRecords`
         if database.find(bus, key):
             rows = np.flatnonzero(codes == code)
             if len(parts) > 1:
@@ -211,7 +212,7 @@ def _frames(mdf: Any, groups: list[int], database: Dbc, where: str) -> list[Fram
 class _FrameRecords(NamedTuple):
     """The n frames of a group."""
 
-    codes: Any  # (n,): identifier in bits 0 to 28, whether it is extended in 29, bus from 30 on
+    codes: Any  # (n,): identifier in bits 0 to 28, 1 in bit 29 if it is extended, bus from 30 on
     time: Any  # [s] (n,)
     data: Any  # (n, bytes)
     length: Any  # [bytes] (n,)
@@ -254,7 +255,7 @@ def _too_few(unit: str, readable: int, counted: int, where: str) -> LogError:
 
 @contextmanager
 def _readable(where: str, part: str = "file") -> Iterator[None]:
-    """Raise LogError instead of what asammdf raises for a damaged file, which is any exception."""
+    """Raise LogError instead of the exception, of any kind, that asammdf raises for damage."""
     try:
         yield
     except Exception as cause:

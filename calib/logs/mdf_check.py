@@ -2,14 +2,15 @@
 
 asammdf would follow rings of links for ever, and let a damaged file fill the memory.
 
-MDF 4 consists of blocks:
+After an identification block, MDF 4 consists of blocks with links to others; XX is the kind:
 ##XX  4 bytes unused  length  number of links  links  content
 ##DG --> ##CG --> ##CN                    ##CG: number of records, bytes of one; ##CN: a channel
      --> ##HL --> ##DL --> ##DT, ##DZ     the records of the groups; ##DZ are compressed
 
 CAN loggers leave MDF 4 unfinished: the last ##DT reaches to the end of the file, and every group
-says that it has no records. Where several groups share data, a record is its identifier and its
-bytes; in a group of variable length (VLSD) it is identifier, length and bytes.
+says that it has no records. So the records are counted here. If several groups share a ##DT, a
+record is an identifier and its bytes; in a group of variable length (VLSD) it is an identifier, a
+length and its bytes.
 Source: ASAM MDF 4.1, sections on the identification block and on unfinalised files.
 """
 
@@ -26,24 +27,24 @@ from calib.base.errors import LogError
 from calib.logs.source import damaged
 
 _COUNTS, _LAST_LENGTH, _VLSD_SIZES = 1, 4, 32
-"""Flags of what a recorder did not write: record counts, length of the last DT, VLSD sizes."""
+"""Flags of what a recorder did not write: counts of records, length of the last DT, VLSD sizes."""
 _HEAD = 64  # bytes of the identification block, after which the first block begins
-_BLOCK = struct.Struct("<4s4xQQ")
-_GROUP = struct.Struct("<QQHHLLL")
-_UNPACKED = struct.Struct("<8xQ")
+_BLOCK = struct.Struct("<4s4xQQ")  # kind, length, number of links
+_GROUP = struct.Struct("<QQHHLLL")  # content of ##CG: see `_counted`
+_UNPACKED = struct.Struct("<8xQ")  # content of ##DZ: unpacked size
 _MOST_LINKS = 10_000_000
 _TREE = (b"##HD", b"##DG", b"##CG", b"##CN")
 """Blocks that form a tree: no two of their first two links may lead to the same block."""
-_LINKS_3 = {b"HD": 1, b"DG": 2, b"CG": 2, b"CN": 1}  # number of such links of a block of MDF 3
+_LINKS_3 = {b"HD": 1, b"DG": 2, b"CG": 2, b"CN": 1}  # number of these links in a block of MDF 3
 _START = 24  # bytes of a ##DT before its data
 _VARIABLE = 1  # flag of a group whose records differ in length; such a group has no channels
 
 
 class _Block(NamedTuple):
     kind: bytes
-    length: int
-    links: tuple[int, ...]
-    content: int
+    length: int  # [bytes]
+    links: tuple[int, ...]  # first byte of each block that it links to; 0 for none
+    content: int  # first byte of the content
 
 
 @dataclass
@@ -51,18 +52,18 @@ class _Group:
     """A channel group and its records."""
 
     place: int  # first byte of the group
-    promised: int  # number of records that the file states
-    size: int  # bytes of a record, unless it is variable
-    variable: bool
+    stated: int  # number of records that the file states
+    size: int  # bytes of a record, unless `is_variable`
+    is_variable: bool
     count: int = 0  # number of records that the file holds
 
 
 def check_mdf(path: Path) -> tuple[str, dict[int, int]]:
-    """Follow all links of a file, and count the records of an unfinished one.
+    """Check all blocks of a file, and count the records of an unfinished file.
 
-    Return a note, and the number of records by first byte of the group; both are empty for a
-    finished file. Raises LogError for a file that is not MDF, cut off, damaged, or cannot be
-    finished.
+    Return a note, and the number of records by first byte of the group; note and numbers are empty
+    for a finished file. Raises LogError for a file that is not MDF, is cut off or damaged, or
+    cannot be finished.
     """
     with path.open("rb") as file:
         head = file.read(_HEAD)
@@ -74,7 +75,7 @@ def check_mdf(path: Path) -> tuple[str, dict[int, int]]:
         flags = int.from_bytes(head[60:62], "little") if begin == b"UnFinMF" else 0
         if begin == b"UnFinMF":
             unknown = flags & ~(_COUNTS | _LAST_LENGTH | _VLSD_SIZES)
-            # without flags nobody knows what the recorder did not write
+            # without flags it is not known what the recorder did not write
             can_be_finished = flags > 0 and not unknown and b"4.10" <= version < b"5"
             _require(can_be_finished, path, f"flags {flags} of MDF {version!r}")
         if version[:1] not in (b"2", b"3", b"4"):
@@ -83,7 +84,8 @@ def check_mdf(path: Path) -> tuple[str, dict[int, int]]:
         with mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
             try:
                 if not version.startswith(b"4"):
-                    _refuse_rings(data, "<" if head[24:26] == b"\0\0" else ">", path)
+                    byte_order = "<" if head[24:26] == b"\0\0" else ">"
+                    _refuse_rings(data, byte_order, path)
                     return "", {}
                 starts = sorted(_check_blocks(data, path) | {len(data)})
                 return _counted(data, flags, starts, path) if flags else ("", {})
@@ -107,8 +109,8 @@ def _chain(data: mmap.mmap, place: int, kind: bytes) -> Iterator[tuple[int, _Blo
         place = block.links[0]
 
 
-def _refuse_rings(data: mmap.mmap, order: str, path: Path) -> None:
-    """Raise ValueError for two links of MDF 3 to one block, LogError for one past the end."""
+def _refuse_rings(data: mmap.mmap, byte_order: str, path: Path) -> None:
+    """Raise ValueError for two links of MDF 3 to one block, LogError for a link past the end."""
     visited, todo = set[int](), [_HEAD]
     while todo:
         place = todo.pop()
@@ -118,7 +120,7 @@ def _refuse_rings(data: mmap.mmap, order: str, path: Path) -> None:
         if place + 4 > len(data):
             raise _short(path, len(data), place + 4)
         links = _LINKS_3.get(data[place : place + 2], 0)
-        todo += filter(None, struct.unpack_from(f"{order}{links}I", data, place + 4))
+        todo += filter(None, struct.unpack_from(f"{byte_order}{links}I", data, place + 4))
 
 
 def _check_blocks(data: mmap.mmap, path: Path) -> set[int]:
@@ -127,8 +129,8 @@ def _check_blocks(data: mmap.mmap, path: Path) -> set[int]:
     Raises LogError for a block past the end of the file, ValueError for two links to one block of
     the tree.
     """
-    visited, linked, todo, end, size = set[int](), set[int](), [_HEAD], _HEAD, len(data)
-    unpacked = 0
+    visited, linked, todo = set[int](), set[int](), [_HEAD]
+    size, end, unpacked = len(data), _HEAD, 0  # [bytes] of the file, of all blocks, of ##DZ
     while todo:
         place = todo.pop()
         if place in visited or place == 0:
@@ -171,9 +173,11 @@ def _counted(
     for _, data_group in _chain(data, _block_at(data, _HEAD).links[0], b"##DG"):
         groups: dict[int, _Group] = {}
         for place, block in _chain(data, data_group.links[1], b"##CG"):
-            number, promised, varies, _, _, size, invalid = _GROUP.unpack_from(data, block.content)
+            number, stated, group_flags, _, _, size, invalid = _GROUP.unpack_from(
+                data, block.content
+            )  # sizes [bytes]: of the values of a record, and of its bits for invalid values
             _require(number not in groups, path, f"two groups with the identifier {number}")
-            groups[number] = _Group(place, promised, size + invalid, bool(varies & _VARIABLE))
+            groups[number] = _Group(place, stated, size + invalid, bool(group_flags & _VARIABLE))
         begin, id_size = data_group.links[2], data[data_group.content]
         if not begin:
             continue
@@ -182,17 +186,17 @@ def _counted(
         is_readable = id_size in (1, 2, 4, 8) or (id_size == 0 and len(groups) == 1)
         _require(is_readable, path, f"{len(groups)} groups, identifiers of {id_size} bytes")
         end = begin + block.length
-        if flags & _LAST_LENGTH:  # the data reach to the next block, or to the end of the file
+        if flags & _LAST_LENGTH:  # the records reach to the next block, or to the end of the file
             end = starts[bisect(starts, begin)]
         last = _count(data, groups, (begin + _START, end), id_size, path)
         leftover += end - last if any(data[last:end]) else 0
         for group in groups.values():
-            if group.count < group.promised:
-                missing = f"{group.promised - group.count} are missing"
-                flaw = f"{group.count} of {group.promised} records are there: {missing}"
+            if group.count < group.stated:
+                missing = f"{group.stated - group.count} are missing"
+                flaw = f"{group.count} of {group.stated} records are there: {missing}"
                 raise damaged(path, flaw, "all that the group counts")
-            if not group.variable:
-                counts[group.place] = group.count if flags & _COUNTS else group.promised
+            if not group.is_variable:
+                counts[group.place] = group.count if flags & _COUNTS else group.stated
                 records += group.count
     torn = f"; {leftover} bytes of a last record that is not whole were left out"
     note = (
@@ -206,26 +210,26 @@ def _counted(
 def _count(
     data: mmap.mmap, groups: dict[int, _Group], span: tuple[int, int], id_size: int, path: Path
 ) -> int:
-    """Count the records within a span of bytes, in their ``groups``; return the end of the last.
+    """Count the records within a ``span`` of bytes in their groups; return the end of the last.
 
     Records begin with an identifier of ``id_size`` bytes, which is 0 if there is one group only.
     """
     place, end = span
     if not id_size:
         (only,) = groups.values()
-        _require(not only.variable and only.size > 0, path, "records of no fixed size")
+        _require(not only.is_variable and only.size > 0, path, "records of no fixed size")
         only.count = (end - place) // only.size
         return place + only.count * only.size
     while place + id_size <= end:
         number = int.from_bytes(data[place : place + id_size], "little")
         group = groups.get(number)
         if group is None:
-            if not any(data[place:end]):  # zeros: space that the recorder reserved
+            if not any(data[place:end]):  # zeros in space that the recorder reserved
                 break
             flaw = f"damaged near byte {place}: no group has records with the identifier {number}"
             raise damaged(path, flaw, "records of the groups of the file")
         start, width = place + id_size, group.size
-        if group.variable:
+        if group.is_variable:
             width, start = int.from_bytes(data[start : start + 4], "little"), start + 4
         if start + width > end:
             break

@@ -1,4 +1,4 @@
-"""Read and write Parquet: each channel has its unit in the metadata of its field."""
+"""Read and write Parquet: the metadata of each field has the unit of the channel."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -12,7 +12,6 @@ from calib.base.bounded import LOG
 from calib.base.errors import LogError
 from calib.logs.source import Column, ColumnSource, damaged
 from calib.logs.text.cells import column_from_cell, from_first, over_midnight
-from calib.logs.text.encoding import too_large
 
 if TYPE_CHECKING:
     import pyarrow
@@ -23,9 +22,9 @@ _MDF_CLOCK = "timestamps"  # time index [s] of a table that asammdf exported
 
 
 def open_parquet(data: bytes, where: str, text_format: object = None) -> ColumnSource:
-    """Open a Parquet file; ``text_format`` is not used, all readers of tables have it.
+    """Open a Parquet file; ``text_format``, which all readers of tables take, is not used.
 
-    Time stamps are converted to seconds from the first row. Raises LogError for a damaged file.
+    Time stamps become seconds from the first row. Raises LogError for a damaged file.
     """
     import pyarrow as pa
     import pyarrow.parquet as pq
@@ -49,7 +48,7 @@ def open_parquet(data: bytes, where: str, text_format: object = None) -> ColumnS
     groups = (file.metadata.row_group(i) for i in range(file.metadata.num_row_groups))
     unpacked = sum(group.total_byte_size for group in groups)
     if max(unpacked, 8 * file.metadata.num_rows * len(columns)) > LOG.max_bytes:
-        raise too_large(where)
+        raise LogError(LOG.too_large("it unpacks to"), where=where)
 
     def read(indices: Sequence[int]) -> list[Array]:
         for i in indices:
@@ -84,7 +83,7 @@ def _column(field: "pyarrow.Field", is_index: bool) -> Column:
 
 
 def _clock_unit(kind: "pyarrow.DataType") -> float | None:
-    """Seconds for each count of a type of times; None for another type."""
+    """Unit [s] in which a type of times counts; None for another type."""
     import pyarrow.types as types
 
     if types.is_timestamp(kind) or types.is_time(kind) or types.is_duration(kind):
@@ -93,7 +92,7 @@ def _clock_unit(kind: "pyarrow.DataType") -> float | None:
 
 
 def _from_first(column: "pyarrow.ChunkedArray", unit: float, where: str) -> Array:
-    """Time [s] (n,) since the first row, of counts of ``unit`` [s]."""
+    """Return times (n,), counted in ``unit`` [s], as seconds since the first row."""
     import pyarrow as pa
     import pyarrow.compute as pc
 
@@ -110,9 +109,9 @@ def _require_numbers(kind: "pyarrow.DataType", where: str) -> None:
     import pyarrow.types as types
 
     value = kind.value_type if types.is_dictionary(kind) else kind
-    numeric = types.is_integer(value) or types.is_floating(value) or types.is_decimal(value)
-    numeric = numeric or types.is_boolean(value) or types.is_null(value)
-    if not numeric and _clock_unit(value) is None:
+    is_number = types.is_integer(value) or types.is_floating(value) or types.is_decimal(value)
+    is_usable = is_number or types.is_boolean(value) or types.is_null(value)
+    if not is_usable and _clock_unit(value) is None:
         raise LogError(f"holds {kind}, not numbers", where=where, expected="a numeric column")
 
 
@@ -132,18 +131,18 @@ def numbers(column: Any) -> Array:
     """Return a chunked column as numbers (n,); null becomes NaN.
 
     Doubles are read from their buffers, since `to_numpy` imports pandas and `cast` loads all
-    functions of pyarrow; either takes longer than reading a log.
+    functions of pyarrow; each takes longer than reading a log.
     """
     import pyarrow as pa
 
     column = column if column.type == pa.float64() else column.cast(pa.float64())
     parts = [np.empty(0)]
     for chunk in column.chunks:
-        valid, values = chunk.buffers()
+        is_valid, values = chunk.buffers()  # one bit, and one double for each value
         inside = slice(chunk.offset, chunk.offset + len(chunk))
         part = np.frombuffer(values or b"", np.float64)[inside]
         if chunk.null_count:
-            bits = np.unpackbits(np.frombuffer(valid, np.uint8), bitorder="little")
+            bits = np.unpackbits(np.frombuffer(is_valid, np.uint8), bitorder="little")
             part = np.where(bits[inside], part, np.nan)
         parts.append(part)
     return np.concatenate(parts)

@@ -1,7 +1,8 @@
 """Read a log of any known format as a `Log` in SI.
 
-file --open_log--> columns --assign--> channels --resample--> one clock --> impossible samples out
---> delays of the map undone --> open ends cut --> complete channels --> Log
+file --open_log--> columns --assign--> channels --_sampled--> one clock
+     --without_impossible--> no impossible samples --_without_delays--> no delays
+     --without_open_ends--> no open ends --complete_channels--> finite channels --> Log
 """
 
 import hashlib
@@ -49,7 +50,7 @@ def open_log(
     data: bytes | None = None,
     file: Path | None = None,
 ) -> Iterator[OpenLog]:
-    """Open a log as it is, for the time of the context; no column becomes a channel yet.
+    """Open a log for the time of the context, with the columns of the file.
 
     Errors name ``path``, and its ending gives the format. ``data`` are the bytes of the log if they
     were read already, ``file`` is the file that holds them if ``path`` does not. ``channel_map``
@@ -151,7 +152,7 @@ def _sampled(
         channels = {item.channel: item.to_si(x) for item, x in pairs}
     else:
         written = source.read([item.index for item in assigned])
-        channels = {item.channel: item.to_si(w) for item, w in zip(assigned, written, strict=True)}
+        channels = {item.channel: item.to_si(x) for item, x in zip(assigned, written, strict=True)}
         resampled = rows_on_one_clock(channels.pop("time"), channels, where)
         channels = dict(zip(channels, resampled.values, strict=True))
     return {"time": resampled.time} | channels, resampled
@@ -160,9 +161,9 @@ def _sampled(
 def _without_delays(
     channels: dict[str, Array], assigned: list[Assigned]
 ) -> tuple[dict[str, Array], list[str]]:
-    """Undo the delays of the map; return the rows for which every channel has a value, and notes.
+    """Undo the delays of the map; return the rows in which every channel has a value, and notes.
 
-    The value of a channel with the delay d at time t is that recorded at t + d.
+    If a channel was recorded d late, its value for time t stands in the log at t + d.
     """
     time = channels["time"]
     delays = {item.channel: item.mapping.delay for item in assigned if item.mapping.delay}
@@ -179,7 +180,7 @@ def _without_delays(
 
 
 def refuse_mapped_time(assigned: list[Assigned], channel_map: ChannelMap | None) -> None:
-    """Raise ChannelMapError if the map names a clock for a recording."""
+    """Raise ChannelMapError if the map of a recording names a column for the time."""
     clock = next(item for item in assigned if item.channel == "time")
     if clock.index != 0:
         raise ChannelMapError(

@@ -6,9 +6,8 @@ v        .........|...................      10 Hz   linear
 result       |----|----|----|              only where all required channels have values
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import chain
 
 import numpy as np
 
@@ -21,8 +20,8 @@ from calib.logs.source import ChannelTrace
 
 _FASTEST = 1050.0  # a rate above this [Hz] is used as the clock only if no channel is slower
 _ALIKE = 0.9  # clocks with at least this share of the highest rate [1] count as equally fast
-_UNEVEN = 0.5  # largest deviation of nine tenths of the steps of an even clock, over their median
-_ENDS = 0.5  # longest time [s] that an optional channel may cut off at either end of the log
+_UNEVEN = 0.5  # most by which nine of ten steps of an even clock differ from their median [1]
+_CUT = 0.5  # longest time [s] that an optional channel may cut off at either end of the log
 
 
 @dataclass(frozen=True)
@@ -30,17 +29,18 @@ class Resampled:
     """Channels on one clock, in the order in which they were given."""
 
     time: Array  # [s] (n,)
-    values: list[Array]  # (n,) for each channel, NaN where there is none
+    values: list[Array]  # (n,) for each channel, NaN for no value
     notes: tuple[str, ...]
     bridged: tuple[ChannelHole, ...]
-    rates: dict[str, float] = field(default_factory=dict)  # at which they were recorded [Hz]
+    rates: dict[str, float] = field(default_factory=dict)  # [Hz], as recorded, by channel
     interpolated: tuple[str, ...] = ()  # channels that had another clock
 
 
 def rows_on_one_clock(time: Array, columns: Mapping[str, Array], where: str) -> Resampled:
     """Put the columns (n,) of a table with rows at ``time`` [s] (n,) on one clock.
 
-    Rows of one clock stay, with short gaps bridged. Others are resampled by `on_one_clock`.
+    If the rows already have one clock, only short gaps are bridged. If a program merged the rows of
+    several clocks, `on_one_clock` resamples them.
     """
     if not _have_several_clocks(time, columns):
         time, rounded = on_line(time) if is_ascending(time) else (time, ())
@@ -50,6 +50,7 @@ def rows_on_one_clock(time: Array, columns: Mapping[str, Array], where: str) -> 
     traces = []
     for name, x in columns.items():
         present = ~np.isnan(x)
+        # columns with values in the same rows have one clock, which is named after the first
         clock = clocks.setdefault(present.tobytes(), f"rows of {name}")
         traces.append(ChannelTrace(clock, time[present], x[present], name in FLAGS, name))
     note = "the rows are those of several clocks: each channel was put on one clock"
@@ -58,15 +59,14 @@ def rows_on_one_clock(time: Array, columns: Mapping[str, Array], where: str) -> 
 
 
 def _have_several_clocks(time: Array, columns: Mapping[str, Array]) -> bool:
-    """Whether the rows at ``time`` [s] (n,) are the time stamps of several clocks together.
+    """Whether the rows at ``time`` [s] (n,) are those of several clocks, merged.
 
-    Then the times of all rows are uneven, and those of the rows with a value of one column are
-    even. If there are required channels, only these are asked.
+    Then the times of all rows are uneven, but for some required channel (or some column, if there
+    is no required channel) the times of the rows that have its values are even.
     """
     if time.size < 3 or not is_ascending(time) or _is_even(time):
         return False
-    required = [x for name, x in columns.items() if name in CHANNELS and CHANNELS[name].required]
-    masks = [np.isfinite(x) for x in (required or columns.values())]
+    masks = [np.isfinite(columns[name]) for name in _required_or_all(columns)]
     return any(3 <= np.count_nonzero(mask) < mask.size and _is_even(time[mask]) for mask in masks)
 
 
@@ -75,9 +75,9 @@ def on_one_clock(traces: Sequence[ChannelTrace], where: str) -> Resampled:
 
     Of clocks that are equally fast the one with most wheel speeds is taken. Other channels are
     interpolated linearly, states hold their last value. A channel is NaN outside its samples, and
-    in a gap that `calib.logs.gaps` leaves open. Columns that are no channels count only if there is
-    no channel. Raises LogError if the required channels have no time in common, and for times out
-    of order.
+    in a gap that `calib.logs.gaps` leaves open. Columns that are no channels have no influence on
+    the clock unless there are only such columns. Raises LogError if the required channels have no
+    time in common, and for times out of order.
     """
     if not traces:
         raise LogError("no channel is known", where=where, do="name channels in a channel map")
@@ -86,31 +86,39 @@ def on_one_clock(traces: Sequence[ChannelTrace], where: str) -> Resampled:
     if not full:
         raise LogError("every channel is empty", where=where, expected="samples")
     channels = [trace for trace in full if trace.name in CHANNELS] or full
-    low, high, cut_note = _span(channels, where)
-    # the rate of each set of times is computed once: traces of a clock may lack some samples
-    times = {(trace.clock, trace.time.size): trace.time for trace in full}
-    rate_of = {key: 1.0 / max(step_of(time), INSTANT) for key, time in times.items()}
-    rates = {trace.name: rate_of[trace.clock, trace.time.size] for trace in full}
-    master = _master(channels, rates)
+    required_names = _required_or_all([trace.name for trace in channels])
+    required = [trace for trace in channels if trace.name in required_names]
+    low, high, cut_note = _span(channels, required, where)
+    rates = _rates(full)
+    master = _master(channels, required, rates)
     time = master.time[(master.time >= low) & (master.time <= high)]
     filled = [_at_times(time, trace) for trace in traces]
+    notes += _notes(channels, master, rates)
     names = {trace.name for trace in channels}
-    gaps = [in_words(x) for trace, x in zip(traces, filled, strict=True) if trace.name in names]
+    for trace, item in zip(traces, filled, strict=True):
+        notes += in_words(item) if trace.name in names else []
+    on_other_clock = [x for x in full if not np.array_equal(x.time, master.time)]
     return Resampled(
         time,
-        [item.values for item in filled],
-        (*notes, *_notes(channels, master, rates), *chain(*gaps), *cut_note),
-        tuple(gap for item in filled for gap in item.bridged),
-        rates,
-        tuple(x.name for x in full if not (x.state or np.array_equal(x.time, master.time))),
+        values=[item.values for item in filled],
+        notes=(*notes, *cut_note),
+        bridged=tuple(gap for item in filled for gap in item.bridged),
+        rates=rates,
+        interpolated=tuple(x.name for x in on_other_clock if not x.is_state),
     )
+
+
+def _rates(traces: list[ChannelTrace]) -> dict[str, float]:
+    """Sample rate [Hz] of each channel, by name."""
+    # traces of one clock with equally many samples have the same times, whose rate is found once
+    times = {(trace.clock, trace.time.size): trace.time for trace in traces}
+    by_times = {key: 1.0 / max(step_of(time), INSTANT) for key, time in times.items()}
+    return {trace.name: by_times[trace.clock, trace.time.size] for trace in traces}
 
 
 def _cleaned(traces: Sequence[ChannelTrace], where: str) -> tuple[list[ChannelTrace], list[str]]:
     """Return traces of valid samples at ascending times, and notes on what was left out."""
-    clocks: dict[str, Array] = {}
-    notes: list[str] = []
-    cleaned = []
+    clocks, notes, cleaned = dict[str, Array](), list[str](), []
     for trace in traces:
         clock = trace.clock
         if clock not in clocks:
@@ -140,17 +148,19 @@ def _ordered(trace: ChannelTrace, time: Array) -> ChannelTrace:
     return replace(trace, time=t[is_last], values=x[is_last])
 
 
-def _required_or_all(channels: list[ChannelTrace]) -> list[ChannelTrace]:
-    required = [x for x in channels if x.name in CHANNELS and CHANNELS[x.name].required]
-    return required or channels
+def _required_or_all(names: Iterable[str]) -> list[str]:
+    required = [name for name in names if name in CHANNELS and CHANNELS[name].required]
+    return required or list(names)
 
 
-def _span(channels: list[ChannelTrace], where: str) -> tuple[float, float, list[str]]:
+def _span(
+    channels: list[ChannelTrace], required: list[ChannelTrace], where: str
+) -> tuple[float, float, list[str]]:
     """Return first and last time [s] that all required channels share, and a note on cut ends.
 
-    Optional channels that are at most `_ENDS` shorter than this span shorten it, too.
+    Optional channels that are at most `_CUT` shorter at either end shorten this span. Others do
+    not: they become NaN at the ends.
     """
-    required = _required_or_all(channels)
     low = max(float(x.time[0]) for x in required)
     high = min(float(x.time[-1]) for x in required)
     if high <= low:
@@ -161,8 +171,7 @@ def _span(channels: list[ChannelTrace], where: str) -> tuple[float, float, list[
             expected="one run in which all are recorded",
         )
     first, last = min(x.time[0] for x in channels), max(x.time[-1] for x in channels)
-    # optional channels that are shorter than that do not cut; they are NaN at the ends
-    near = [x for x in channels if x.time[0] <= low + _ENDS and x.time[-1] >= high - _ENDS]
+    near = [x for x in channels if x.time[0] <= low + _CUT and x.time[-1] >= high - _CUT]
     low = max([low, *(float(x.time[0]) for x in near)])
     high = min([high, *(float(x.time[-1]) for x in near)])
     if max(low - first, last - high) <= 0.0005:
@@ -178,9 +187,10 @@ def _is_even(time: Array) -> bool:
     return bool(np.quantile(np.abs(steps - median), 0.9) <= _UNEVEN * median)
 
 
-def _master(channels: list[ChannelTrace], rates: dict[str, float]) -> ChannelTrace:
-    """Return the channel whose times become the clock."""
-    required = _required_or_all(channels)
+def _master(
+    channels: list[ChannelTrace], required: list[ChannelTrace], rates: dict[str, float]
+) -> ChannelTrace:
+    """Return the required channel whose times become the clock."""
     candidates = [x for x in required if _is_even(x.time)] or required
     all_rates = [rates[x.name] for x in candidates]
     highest = max([rate for rate in all_rates if rate <= _FASTEST] or all_rates)
@@ -199,7 +209,7 @@ def _at_times(times: Array, trace: ChannelTrace) -> Filled:
     t, x = trace.time, trace.values
     if t.size < 2:
         return Filled(np.full(times.size, np.nan))
-    if not trace.state:
+    if not trace.is_state:
         return fill(trace.name, t, x, times)
     rows = np.clip(np.searchsorted(t, times, side="right") - 1, 0, t.size - 1)
     values: Array = x[rows].astype(np.float64)
@@ -216,6 +226,6 @@ def _notes(
         return []
     groups: dict[str, list[str]] = {}
     for x, is_clock in zip(channels, has_clock, strict=True):
-        how = "is the clock" if is_clock else "held" if x.state else "interpolated linearly"
+        how = "is the clock" if is_clock else "held" if x.is_state else "interpolated linearly"
         groups.setdefault(f"({x.clock}, {rates[x.name]:.4g} Hz) {how}", []).append(x.name)
     return [f"{', '.join(names)} {how}" for how, names in groups.items()]

@@ -1,6 +1,7 @@
 """An opened log: its columns, and a function that reads some of them.
 
-The columns of a `ColumnSource` share one clock; those of a `Recording` have clocks of their own.
+A `ColumnSource` is a table: its columns share one clock. A `Recording`, such as one of bus frames,
+has a clock for each message or group.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -20,11 +21,11 @@ class Column:
 
     name: str
     unit: str | None
-    full: str = ""  # a longer name, such as one with the name of the group
+    full: str = ""  # a longer name if there is one, such as ``group.name``
 
     @property
     def full_name(self) -> str:
-        """The longer name, or the name if there is no longer one."""
+        """The longer name, or else the name."""
         return self.full or self.name
 
     @property
@@ -40,34 +41,38 @@ def indices_of(address: str, columns: Sequence[Column]) -> list[int]:
 
 def address_of(column: Column, columns: Sequence[Column]) -> str:
     """First address of a column that no other column has, or its name if there is none."""
-    unique = (name for name in column.addresses if len(indices_of(name, columns)) == 1)
-    return next(unique, column.name)
+    for address in column.addresses:
+        if len(indices_of(address, columns)) == 1:
+            return address
+    return column.name
 
 
 @dataclass(frozen=True)
 class ColumnSource:
     """An opened table of n rows.
 
-    ``read`` takes indices of columns and returns their values (n,) as written, NaN for an empty
-    cell.
+    ``read`` takes indices of columns and returns their values (n,) as written, NaN for no value.
     """
 
     columns: tuple[Column, ...]
     read: Callable[[Sequence[int]], list[Array]]
     notes: tuple[str, ...] = ()
-    rates: Mapping[int, float] = field(default_factory=dict)  # [Hz], by column with another clock
+    rates: Mapping[int, float] = field(default_factory=dict)
+    """Sample rates [Hz] of the columns of a resampled recording, by index of the column."""
 
-    def each(self) -> list[Array | LogError]:
+    def read_all(self) -> list[Array | LogError]:
         """Read every column; the error takes the place of a column that holds no numbers."""
-        return each_of(self.read, range(len(self.columns)))
+        return read_each(self.read, range(len(self.columns)))
 
 
-def each_of(
+def read_each(
     read: Callable[[Sequence[int]], Sequence[T]], indices: Sequence[int]
 ) -> list[T | LogError]:
-    """Read each index; where one cannot be read, the error takes the place of the result."""
+    """Read columns by their indices; the error takes the place of one that cannot be read."""
+    if not indices:
+        return []
     with suppress(LogError):
-        return [*read(indices)] if indices else []
+        return [*read(indices)]  # faster than one by one
     results: list[T | LogError] = []
     for index in indices:
         try:
@@ -84,10 +89,10 @@ CLOCK = Column("time", "s")
 class ChannelTrace:
     """One channel as it was recorded, in the order of the file."""
 
-    clock: str  # traces with one clock have the same times
+    clock: str  # name of the clock; traces of one clock have the same times
     time: Array  # [s] (n,)
     values: Array  # as written (n,), NaN if invalid
-    state: bool = False  # a state, such as a gear, keeps its value until the next sample
+    is_state: bool = False  # a state, such as a gear, keeps its value until the next sample
     name: str = ""
 
 
@@ -95,7 +100,7 @@ class ChannelTrace:
 class Recording:
     """An opened log of several clocks; ``read`` returns the traces of columns by their indices."""
 
-    columns: tuple[Column, ...]  # first `CLOCK`, the clock after resampling, without a trace
+    columns: tuple[Column, ...]  # the first is `CLOCK`, which has no trace before resampling
     read: Callable[[Sequence[int]], list[ChannelTrace]]
     notes: tuple[str, ...] = ()
     close: Callable[[], None] = lambda: None

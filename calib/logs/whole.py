@@ -1,7 +1,7 @@
-"""Every numeric column of a log as written, on one clock: to be looked at, cut or converted.
+"""Read every numeric column of a log, on one clock, to look at it, cut it or convert it.
 
-Columns that are no channels stay, and no unit is changed. A mapped column has its canonical name
-and the unit of the map.
+Columns that are no channels are read, too, and values stay in the units of the file. A mapped
+column has its canonical name and the unit of the map.
 """
 
 from collections.abc import Collection
@@ -31,7 +31,7 @@ class WholeColumn:
     name: str
     unit: str | None
     values: Array  # (n,) in ``unit``, NaN for no value
-    rate: float | None = None  # [Hz], if recorded on another clock than the rows
+    rate: float | None = None  # [Hz], as recorded, if the column was resampled
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class WholeLog:
 
     @property
     def time(self) -> Array:
-        """Clock of the log [s] (n,), increasing. Raises LogError if there is no valid one."""
+        """Increasing times of the rows [s] (n,). Raises LogError if the log has none."""
         for column in self.columns:
             if column.name == TIME and column.unit:
                 time = to_si(column.values, column.unit, "s")
@@ -55,16 +55,15 @@ class WholeLog:
         raise LogError("no channel time with a unit", where=self.source, do=MAP_IT)
 
     def only(self, names: Collection[str]) -> "WholeLog":
-        """Return the log with the clock and the columns of these names alone."""
+        """Return the log with only its time and the columns with these names."""
         chosen = (c for c in self.columns if c.name in names or c.name == TIME)
         return replace(self, columns=tuple(chosen))
 
 
 def read_whole(path: Path, channel_map: ChannelMap | None = None) -> WholeLog:
-    """Read every numeric column of a log.
+    """Read every numeric column of a log, on the clock that `read_log` takes, too.
 
-    Columns of several sample rates are put on the clock that `read_log` takes, too. Raises LogError
-    for a file that is not a log, ChannelMapError for a map that does not fit.
+    Raises LogError for a file that is not a log, ChannelMapError for a map that does not fit.
     """
     with open_log(path, channel_map) as opened:
         assigned, _, _ = assign(opened.source.columns, channel_map, (), str(path))
@@ -72,17 +71,17 @@ def read_whole(path: Path, channel_map: ChannelMap | None = None) -> WholeLog:
         if isinstance(opened.source, Recording):
             refuse_mapped_time(assigned, channel_map)
         source = as_table(opened.source, str(path), by_index)
-    # an ignored column is left out: whoever reads the result would take it for a channel
+    # columns that the map ignores are left out, since they have names of channels
     ignore = channel_map.ignore if channel_map else ()
     columns, notes = list[WholeColumn](), list[str]()
     names = {item.channel for item in by_index.values()}
-    for index, (column, values) in enumerate(zip(source.columns, source.each(), strict=True)):
+    for index, (column, values) in enumerate(zip(source.columns, source.read_all(), strict=True)):
         if isinstance(values, LogError) or column.name in ignore:
             why = values.problem if isinstance(values, LogError) else "the map ignores it"
             notes.append(f"{column.full_name} was left out: {why}")
             continue
         name, unit, number = column.name, column.unit, 1
-        while name in names:  # another column has this name: the full name, then with a number
+        while name in names:  # try the full name, then the full name with a number
             name = column.full_name if number == 1 else f"{column.full_name}#{number}"
             number += 1
         if item := by_index.get(index):
@@ -99,7 +98,7 @@ def read_whole(path: Path, channel_map: ChannelMap | None = None) -> WholeLog:
 def channels_log(log: WholeLog) -> Log:
     """Return the channels with a known unit and a value in every row, in SI.
 
-    Raises LogError without a clock.
+    Raises LogError for a log without a valid time.
     """
     channels = {}
     for column in in_si(log).columns:
@@ -110,7 +109,7 @@ def channels_log(log: WholeLog) -> Log:
 
 
 def cut(log: WholeLog, start: float | None = None, end: float | None = None) -> WholeLog:
-    """Keep the rows from ``start`` to ``end`` [s], both included; None is that of the log.
+    """Keep the rows from ``start`` to ``end`` [s], both included; None keeps all on that side.
 
     Raises LogError if no row is left.
     """
@@ -130,7 +129,7 @@ def cut(log: WholeLog, start: float | None = None, end: float | None = None) -> 
 
 
 def in_si(log: WholeLog) -> WholeLog:
-    """Convert the channels with a known unit to SI, as the C code of an ECU takes them."""
+    """Convert the channels with a known unit to SI, the units of the C code of an ECU."""
     columns = []
     for column in log.columns:
         quantity = CHANNELS.get(column.name)
@@ -143,7 +142,7 @@ def in_si(log: WholeLog) -> WholeLog:
 
 @dataclass(frozen=True)
 class Inventory:
-    """The content of a column in figures."""
+    """Range, number of samples, sample rate and gaps of a column."""
 
     name: str
     unit: str | None
@@ -155,7 +154,7 @@ class Inventory:
 
 
 def inventory(log: WholeLog) -> tuple[Inventory, ...]:
-    """Describe the columns of a log without its clock. Raises LogError without a valid clock."""
+    """Describe every column but the time. Raises LogError without a valid time."""
     time, result = log.time, []
     for column in log.columns:
         if column.name == TIME:

@@ -1,6 +1,6 @@
 """Write a log: its channels in canonical units, or every column with all digits.
 
-CSV        name [unit]; empty for no value
+CSV        ``name [unit]`` in the header; an empty cell for no value
 Parquet    the unit in the metadata of the field; null for no value
 MDF 4      one group with the time of the log in seconds; NaN for no value
 """
@@ -74,7 +74,7 @@ def _to_csv(log: WholeLog) -> bytes:
 
 
 def _unit(name: str, unit: str | None) -> str | None:
-    """Return the unit to write: "" for None if a name alone would be read as name and unit."""
+    """Return the unit to write; in place of None "" if a name alone would be read with a unit."""
     if unit:
         return unit
     as_read = column_from_cell(name)
@@ -108,7 +108,7 @@ WRITERS: dict[str, Callable[[WholeLog], bytes]] = {
     ".parquet": _to_parquet,
     ".mf4": _to_mdf,
 }
-"""Functions that make the bytes of a file, by its ending.
+"""By file ending: the function that makes the bytes of a file.
 
-`_to_mdf` raises LogError if the log has no clock, or if asammdf is not installed.
+`_to_mdf` raises LogError if the log has no time, or if asammdf is not installed.
 """

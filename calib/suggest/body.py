@@ -1,4 +1,8 @@
-"""Find the columns of speed, acceleration and pressure, and those that only a name can tell."""
+"""Find the columns of speed, acceleration and pressure, and those that only a name can tell.
+
+The speed agrees with those of the wheels. The acceleration is the derivative of the speed, up to
+its sign. The pressure rises and falls with the deceleration.
+"""
 
 import numpy as np
 
@@ -9,19 +13,20 @@ from calib.base.warning import bounds_of
 from calib.logs.channel_map import Mapping
 from calib.logs.computed import factor_between, is_other_quantity
 from calib.run.pressure_delay import pressure_delay
-from calib.suggest.columns import ColumnClock, Search, Series, best_correlation, correlation
+from calib.suggest.columns import ColumnClock, Search, Series
 from calib.suggest.words import axle_of, has_word, score, wheel_of
 
 _LEAST = 0.8  # lowest correlation [1]: a_x with dv/dt, a pressure with the deceleration
 _LEAST_WITH_WHEELS = 0.98  # lowest correlation [1] of the speed of the car with that of its wheels
+_LAG = 0.5  # longest lag that is tried [s]: a brake builds up in 0.1 to 0.2 s
 _PRESSED = 2e5  # smallest range of a brake pressure [Pa] in a log with braking
 _SLOPES = (0.4, 2.5)
-"""Allowed a_x over the derivative of speed [1]: g in the place of m/s^2 is a factor of 9.8."""
+"""Allowed range of a_x over the derivative of speed [1]; with g read as m/s^2 it would be 0.1."""
 _CANONICAL = 99  # score of a column that has the name of the channel
 
 
 def _score(name: str, channel: str) -> int:
-    """How well a name fits a channel: above 0 if it does, below 0 if it is another quantity."""
+    """How well a name fits a channel: above 0 if it does, -1 for the name of another quantity."""
     if name == channel:
         return _CANONICAL
     if channel == "p_mc":
@@ -30,10 +35,11 @@ def _score(name: str, channel: str) -> int:
 
 
 def _choose(search: Search, channel: str, passed: list[Series], several: str) -> Series | None:
-    """Choose the canonical name, else the best name of columns that are about as fast as the best.
+    """Choose among the columns that passed the tests of a channel; refuse the others.
 
-    These have at least half the rate of the fastest column with a fitting name. If several columns
-    are as good, ask the user with the reason ``several``.
+    The column that has the name of the channel is chosen, or else that with the best score. A
+    column with less than half the sample rate of another, whose name fits, is not chosen. If
+    several are equally good, the user is asked with the reason ``several``.
     """
     scores = {s.name: _score(s.name, channel) for s in passed}
     measured = [s for s in passed if scores[s.name] > 0 and not has_word(s.name, "derived")]
@@ -43,7 +49,8 @@ def _choose(search: Search, channel: str, passed: list[Series], several: str) ->
     canonical = [s for s in passed if s.name == channel]
     likeliest = canonical or [s for s in fast if scores[s.name] == best]
     if len(likeliest) > 1:
-        search.doubt(channel, likeliest, several, f"choose one: --take {channel}=NAME")
+        names = [s.name for s in likeliest]
+        search.doubt(channel, names, several, f"choose one: --take {channel}=NAME")
     if len(likeliest) != 1:
         return None
     (chosen,) = likeliest
@@ -62,7 +69,7 @@ def find_speed(search: Search, wheels: Array | None) -> Array | None:
             continue
         if _score(item.name, "v") < 1:
             search.refuse(item, "a speed, but not of the car, by its name")
-        elif changing is not None and correlation(item.values, changing) < _LEAST_WITH_WHEELS:
+        elif changing is not None and _correlation(item.values, changing) < _LEAST_WITH_WHEELS:
             search.refuse(item, "a speed that does not agree with the wheels")
         else:
             passed.append(item)
@@ -87,7 +94,7 @@ def find_acceleration(search: Search, rate: Array | None, clock: ColumnClock) ->
         points = _score(item.name, "a_x")
         if points < 0:
             search.refuse(item, "an acceleration, but not longitudinal, by its name")
-        elif rate is not None and abs(best_correlation(item.values, rate, clock)) < _LEAST:
+        elif rate is not None and abs(_best_correlation(item.values, rate, clock)) < _LEAST:
             search.refuse(item, "an acceleration that is not the derivative of speed")
         elif rate is None and points < 1:
             search.refuse(item, "an acceleration, not known to be longitudinal")
@@ -106,9 +113,9 @@ def find_acceleration(search: Search, rate: Array | None, clock: ColumnClock) ->
         slope = np.cov(clock.smooth(chosen.values), rate)[0, 1] / np.var(rate, ddof=1)
         if not _SLOPES[0] <= abs(slope) <= _SLOPES[1]:
             why = f"in {chosen.column.unit} it is {abs(slope):.3g} times the derivative of speed"
-            search.doubt("a_x", [chosen], why, "give its unit: --take 'a_x=NAME [UNIT]'")
+            search.doubt("a_x", [chosen.name], why, "give its unit: --take 'a_x=NAME [UNIT]'")
             return
-        agreement = best_correlation(chosen.values, rate, clock)
+        agreement = _best_correlation(chosen.values, rate, clock)
         sign = 1 if agreement > 0 else -1
         reasons.append(f"is the derivative of speed (correlation {abs(agreement):.2f})")
     if sign < 0:
@@ -118,7 +125,7 @@ def find_acceleration(search: Search, rate: Array | None, clock: ColumnClock) ->
 
 
 def refuse_computed(search: Search) -> None:
-    """Refuse pressures that are a column of another quantity times a number."""
+    """Refuse pressures that are a constant times a column of another quantity."""
     others = [s for s in search.series if is_other_quantity(s.column.unit)]
     for item in [s for s in search.free() if s.si == "Pa"]:
         for other in others:
@@ -138,7 +145,7 @@ def find_pressure(search: Search, braking: Array | None, clock: ColumnClock) -> 
         if wheel_of(item.name) or points < 0:
             continue
         if item.si is None and points >= 2 and has_word(item.name, "pressure"):
-            without_unit.append(item)
+            without_unit.append(item.name)
         elif item.si == "N*m" and points >= 1:
             search.refuse(item, "a torque, not a pressure")
         elif item.si == "Pa":
@@ -157,7 +164,7 @@ def find_pressure(search: Search, braking: Array | None, clock: ColumnClock) -> 
     reasons.append(f"unit {chosen.column.unit}")
     is_checked = braking is not None and bool(np.ptp(chosen.values) > _PRESSED)
     if braking is not None and is_checked:
-        agreement = best_correlation(chosen.values, braking, clock)
+        agreement = _best_correlation(chosen.values, braking, clock)
         reasons.append(f"goes with the deceleration (correlation {agreement:.2f})")
     else:
         reasons.append("no braking is known to check it with")
@@ -167,7 +174,7 @@ def find_pressure(search: Search, braking: Array | None, clock: ColumnClock) -> 
 def _reason_against_pressure(
     item: Series, points: int, braking: Array | None, clock: ColumnClock
 ) -> str | None:
-    """Why a pressure with a name of this score cannot be that of the brake; None if it can."""
+    """Reason why a pressure, whose name has the score ``points``, is not the brake's, or None."""
     highest = float(item.values.max())
     if highest > BAR * bounds_of("pressure_high")[1]:
         return f"a pressure of {highest / BAR:.0f} bar is too high for a brake"
@@ -180,10 +187,29 @@ def _reason_against_pressure(
             f"a pressure that is {delay.words} against the deceleration: take it with --take, "
             f"and put it in time with {delay.entry}"
         )
-    agreement = best_correlation(item.values, braking, clock)
+    agreement = _best_correlation(item.values, braking, clock)
     if agreement < _LEAST:
         return f"a pressure that does not agree with the deceleration (correlation {agreement:.2f})"
     return None
+
+
+def _correlation(a: Array, b: Array) -> float:
+    """Correlation of ``a`` and ``b``, both (n,) [1]; 0 if one of them is constant."""
+    if np.ptp(a) == 0.0 or np.ptp(b) == 0.0:
+        return 0.0
+    return float(np.corrcoef(a, b)[0, 1])
+
+
+def _best_correlation(x: Array, rate: Array, clock: ColumnClock) -> float:
+    """Correlation [1] of ``x`` (n,) and the derivative of speed (n,) at the best lag."""
+    smooth, n = clock.smooth(x), x.size
+    longest = min(clock.width(_LAG), n // 4)
+    correlations = []
+    for lag in range(-longest, longest + 1):  # sample i of x belongs to sample i + lag of the rate
+        of_x = slice(max(0, -lag), n - max(0, lag))
+        of_rate = slice(max(0, lag), n - max(0, -lag))
+        correlations.append(_correlation(smooth[of_x], rate[of_rate]))
+    return max(correlations, key=abs)
 
 
 _BY_NAME: dict[str, tuple[str, str | None, tuple[str, ...]]] = {
@@ -207,7 +233,8 @@ def find_by_name(search: Search) -> None:
         ]
         if len(fitting) > 1:
             do = f"choose one: --take {channel}=NAME; or none: --take {channel}="
-            search.doubt(channel, fitting, "several columns fit by name", do)
+            names = [s.name for s in fitting]
+            search.doubt(channel, names, "several columns fit by name", do)
         elif fitting:
             reasons = ["name", f"unit {fitting[0].column.unit}", "not tested"]
             if channel.startswith("T_drive"):

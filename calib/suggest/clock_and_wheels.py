@@ -1,11 +1,14 @@
-"""Find the time, and the four columns of the wheel speeds and of the wheel pressures."""
+"""Find the time, and the four columns of the wheel speeds and of the wheel pressures.
+
+The four wheel speeds of a car agree with each other.
+"""
 
 from collections import defaultdict
 from dataclasses import replace
 
 import numpy as np
 
-from calib.base.arrays import Array
+from calib.base.arrays import Array, Mask
 from calib.base.errors import LogError
 from calib.base.names import WHEEL_SPEEDS, WHEELS
 from calib.base.units import BAR, from_si, to_si
@@ -15,31 +18,25 @@ from calib.logs.clock import REPEATED, TIME_UNITS, check_steps, step_of
 from calib.logs.gaps import ONLY
 from calib.logs.resample import rows_on_one_clock
 from calib.run.filters import true_intervals
-from calib.suggest.columns import (
-    GIVE_RADIUS,
-    SMOOTH,
-    ColumnClock,
-    Doubt,
-    Search,
-    Series,
-    are_of_one_car,
-    is_later,
-    rim_mapping,
-)
+from calib.suggest.columns import GIVE_RADIUS, SMOOTH, ColumnClock, Search, Series, rim_mapping
 from calib.suggest.words import has_word, split_wheel
 
-_SLOW = 0.15
-"""Share of the highest speed [1] below which samples are not used: the car is about to stop."""
-_ACCELERATED = 0.5
-"""Smallest range of the derivative of speed [m/s^2] to test other columns with."""
+_SLOW = 0.15  # share of the highest speed [1] below which the car is taken to stand
+_ACCELERATED = 0.5  # smallest range of the acceleration [m/s^2] to test other columns with
+_ALIKE = 0.99  # lowest correlation of two wheel speeds [1]
+_APART = 0.1  # largest difference of the mean speeds of four wheels, over the lowest [1]
+_STEADY = 0.02  # standard deviation over mean [1] below which noise hides the correlation
+
+
+ALL_WHEEL_SPEEDS = f"{WHEEL_SPEEDS[0]} ... {WHEEL_SPEEDS[-1]}"  # channel of a doubt on all four
 
 
 def find_clock(search: Search) -> None:
-    """Find the time: named so, not decreasing, in a unit with which its rate is possible."""
+    """Find the time: its name says so, it does not decrease, and its rate is possible."""
     if "time" not in search.user_specified:
         _propose_clock(search)
     elif (time := search.values_of_user("time")) is not None:
-        time = time[is_later(time)]
+        time = time[_is_later(time)]
         search.clock = ColumnClock(time, step_of(time))
     if search.clock is None:
         return
@@ -51,7 +48,7 @@ def find_clock(search: Search) -> None:
         search.clock = None
         return
     source = search.proposals["time"].mapping.source
-    rows = is_later(next(s.values for s in search.series if s.name == source))
+    rows = _is_later(next(s.values for s in search.series if s.name == source))
     search.series = [replace(s, values=s.values[rows]) for s in search.series]
     search.gapped = [replace(s, values=s.values[rows]) for s in search.gapped]
 
@@ -64,32 +61,37 @@ def _propose_clock(search: Search) -> None:
     fitting = [s for s in fitting if s.name == "time"] or fitting
     unread = [(name, why) for name, why in search.unused.items() if has_word(name, "time")]
     if len(fitting) > 1:
-        do = "choose one: --take time=NAME"
-        search.doubt("time", fitting, "more than one column is a time", do)
+        names, why = [s.name for s in fitting], "more than one column is a time"
+        search.doubt("time", names, why, "choose one: --take time=NAME")
     elif fitting:
         _take_clock(search, fitting[0])
     elif named:
         why = f"{named[0].name} is named a time, but {_disorder(named[0].values)}"
-        search.doubt("time", named[:1], why, "correct the log, or export it again")
+        search.doubt("time", [named[0].name], why, "correct the log, or export it again")
     elif unread:
-        (name, why), do = unread[0], "export the log again, with a time for each row"
-        search.doubts.append(Doubt("time", (name,), why, do))
+        name, why = unread[0]
+        search.doubt("time", [name], why, "export the log again, with a time for each row")
     else:
-        candidates = [s for s in running if s.si == "s"] or running
+        names = [s.name for s in running if s.si == "s"] or [s.name for s in running]
         do = "choose one and give its unit: --take 'time=NAME [s]'"
-        search.doubt("time", candidates, "no column is named a time", do)
+        search.doubt("time", names, "no column is named a time", do)
+
+
+def _is_later(time: Array) -> Mask:
+    """Whether the time of each row is later than that of the row before, shape (n,)."""
+    return np.append(True, np.diff(time) > 0.0) if time.size else np.zeros(0, bool)
 
 
 def _runs(values: Array) -> bool:
-    """Whether values never fall or lack, and few stand still, as those of a clock."""
+    """Whether values (n,) are those of a clock: no step is NaN or negative, few steps are 0."""
     steps = np.diff(values)
-    standing = np.count_nonzero(steps == 0.0)
-    return bool(steps.size and np.all(steps >= 0.0) and standing <= REPEATED * values.size)
+    repeated = np.count_nonzero(steps == 0.0)
+    return bool(steps.size and np.all(steps >= 0.0) and repeated <= REPEATED * values.size)
 
 
 def _take_clock(search: Search, item: Series) -> None:
-    """Take a column with its own unit, or with the first one that gives a possible rate."""
-    time, unit, order = item.values[is_later(item.values)], item.column.unit, "increasing"
+    """Take a column as the time in its own unit, or else in the first with a possible rate."""
+    time, unit, order = item.values[_is_later(item.values)], item.column.unit, "increasing"
     if time.size < item.values.size:
         order += f", but {_disorder(item.values)}: the log is refused until they are deleted"
     low, high = bounds_of("clock_rate")
@@ -108,7 +110,7 @@ def _take_clock(search: Search, item: Series) -> None:
         search.clock = ColumnClock(time, step)
         return
     why = f"{f'unit {unit}' if unit else 'no unit'}, and steps of {step_of(written):.4g}"
-    search.doubt("time", [item], why, "give the unit: --take 'time=NAME [s]'")
+    search.doubt("time", [item.name], why, "give the unit: --take 'time=NAME [s]'")
 
 
 def _disorder(time: Array) -> str:
@@ -145,7 +147,8 @@ def keep_moving_rows(
 ) -> Array | None:
     """Keep the rows of the longest time in which the car moves; return its acceleration [m/s^2].
 
-    ``speed`` (n,) times ``factor`` is in m/s. Return None if the speed varies too little.
+    ``speed`` (n,) times ``factor`` is in m/s. Return None without a speed, or if it varies too
+    little.
     """
     if speed is None:
         return None
@@ -164,7 +167,8 @@ def keep_moving_rows(
 def find_wheels(search: Search) -> tuple[Array | None, bool]:
     """Find four speeds that are named for the wheels and agree.
 
-    Return their mean (n,), else that of the user's wheel speeds, and whether it is in rad/s.
+    Return their mean (n,), or else that of the user's wheel speeds, and whether the mean is in
+    rad/s.
     """
     fours = _agreeing_fours(search)
     angular = [four for four in fours if four["fl"].si == "rad/s"]
@@ -200,10 +204,10 @@ def find_wheels(search: Search) -> tuple[Array | None, bool]:
 
 
 def _agreeing_fours(search: Search) -> list[dict[str, Series]]:
-    """Columns by wheel of each set of four that agrees; refuses those of other sets."""
+    """Return each set of four, by wheel, that agrees; refuse the columns of the others."""
     agreeing = []
     for four in _fours(search, ("rad/s", "m/s", None)):
-        if are_of_one_car([_sign(four[w]) * four[w].values for w in WHEELS]):
+        if _are_of_one_car([_sign(four[w]) * four[w].values for w in WHEELS]):
             agreeing.append(four)
         elif four["fl"].si is not None:
             for item in four.values():
@@ -211,8 +215,19 @@ def _agreeing_fours(search: Search) -> list[dict[str, Series]]:
     return agreeing
 
 
+def _are_of_one_car(speeds: list[Array]) -> bool:
+    """Whether the speeds of four wheels, each (n,), have similar means and are correlated."""
+    means = [float(np.mean(x)) for x in speeds]
+    if min(means) <= 0.0 or max(means) > (1.0 + _APART) * min(means):
+        return False
+    if any(np.ptp(x) == 0.0 for x in speeds):
+        return False
+    are_steady = max(float(np.std(x)) for x in speeds) < _STEADY * max(means)
+    return are_steady or float(np.corrcoef(speeds).min()) > _ALIKE
+
+
 def _fours(search: Search, units: tuple[str | None, ...]) -> list[dict[str, Series]]:
-    """Columns by wheel of each set of four whose names differ in the wheel alone, with one unit."""
+    """Return each set of four columns, by wheel, that differ only in the wheel of their names."""
     by_name: defaultdict[tuple[str, str | None], dict[str, Series]] = defaultdict(dict)
     for item in search.free():
         wheel, name = split_wheel(item.name)
@@ -228,8 +243,7 @@ def _sign(item: Series) -> int:
 
 def _doubt_wheels(search: Search, names: list[str], why: str, do: str) -> None:
     if not set(WHEEL_SPEEDS) & set(search.user_specified):
-        channel = f"{WHEEL_SPEEDS[0]} ... {WHEEL_SPEEDS[-1]}"
-        search.doubts.append(Doubt(channel, tuple(names), why, do))
+        search.doubt(ALL_WHEEL_SPEEDS, names, why, do)
 
 
 def find_wheel_pressures(search: Search) -> None:

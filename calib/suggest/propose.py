@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from calib.base.errors import BrakeCalError, InputError, one_line
-from calib.base.names import CHANNELS
+from calib.base.names import CHANNELS, WHEEL_SPEEDS
 from calib.base.plain import counted, quoted
 from calib.base.units import is_unit
 from calib.logs.channel_map import ChannelMap, Mapping, assigned_column
@@ -56,8 +56,8 @@ def suggest(
 ) -> Suggestion:
     """Propose a channel map for the opened log with the path ``where``.
 
-    ``user_specified`` are sources by channel, such as ``Brake [bar]``; empty for a channel that is
-    to have none. ``radii`` [m] of front and rear turn speeds at the rim into wheel speeds. Raises
+    ``user_specified`` has the column of a channel, such as ``Brake [bar]``, or "" for no column.
+    With the ``radii`` [m] of front and rear wheels, speeds at the rim become wheel speeds. Raises
     InputError for a channel or column in ``user_specified`` that does not exist.
     """
     search = Search(*read_series(source), dict(user_specified or {}), radii)
@@ -76,12 +76,14 @@ def suggest(
     proposed = {proposal.mapping.source for proposal in proposals}
     unused = {name: why for name, why in search.unused.items() if name not in proposed}
     ignore = tuple(n for n in unused if n in CHANNELS and n not in search.proposals)
-    doubtful = {doubt.channel[:6] for doubt in search.doubts}  # `omega_`: wheels share a doubt
+    doubtful = {doubt.channel for doubt in search.doubts}
+    if clock_and_wheels.ALL_WHEEL_SPEEDS in doubtful:
+        doubtful.update(WHEEL_SPEEDS)
     absent = "no column fits by name, unit and values" if search.clock else _NO_CLOCK
     missing = {
         name: f"its column: {unused[name]}" if name in unused and search.clock else absent
         for name in REQUIRED
-        if name not in search.proposals and name[:6] not in doubtful
+        if name not in search.proposals and name not in doubtful
     }
     return Suggestion(where, proposals, tuple(search.doubts), missing, unused, ignore)
 
@@ -105,7 +107,7 @@ def _find_others(search: Search, clock: ColumnClock) -> None:
 def _proposal_of_user(
     channel: str, cell: str, source: ColumnSource, where: str, radii: Radii | None
 ) -> Proposal | None:
-    """The proposal for a channel whose source the user names; None for an empty name."""
+    """The proposal for a channel whose column the user gave; None if the user gave no column."""
     if channel not in CHANNELS:
         raise InputError(f"there is no channel {channel!r}", expected=", ".join(CHANNELS))
     if not cell:

@@ -6,18 +6,17 @@ from typing import NamedTuple
 
 from calib.base.plain import rows
 
-# A word is CarSim's side and axle (`L1`), an abbreviation before a capitalised word (`ESP` in
-# `ESPSpeed`), small letters after at most one capital, an abbreviation, or a number.
 _WORD = re.compile(
-    r"[LR][12](?![0-9A-Za-z])|(?<![A-Za-z])[lr][12](?![0-9A-Za-z])"
-    r"|[A-ZÄÖÜ]+(?=[A-ZÄÖÜ][a-zäöü])|[A-ZÄÖÜ]?[a-zäöüß]+|[A-ZÄÖÜ]+|\d+"
+    r"[LR][12](?![0-9A-Za-z])|(?<![A-Za-z])[lr][12](?![0-9A-Za-z])"  # side and axle of CarSim: L1
+    r"|[A-ZÄÖÜ]+(?=[A-ZÄÖÜ][a-zäöü])"  # an abbreviation before a capitalised word: ESP of ESPSpeed
+    r"|[A-ZÄÖÜ]?[a-zäöüß]+|[A-ZÄÖÜ]+|\d+"  # a word, another abbreviation, a number
 )
 _FRONT = {"f", "front", "frnt", "v", "vo", "vorn", "vorne", "va", "fa"}
 _REAR = {"r", "rear", "h", "hi", "hinten", "ha", "ra"}
 _LEFT = {"l", "left", "le", "links", "li", "lh"}
 _RIGHT = {"r", "right", "ri", "rechts", "re", "rh"}
 _REAR_OF_WHEEL = _REAR | {"re"}
-"""Before a side "re" is rear, as in AUTOSAR's ``ReLe``; after an axle it is right, "rechts"."""
+"""Before a side "re" means rear, as in AUTOSAR's ``ReLe``; after an axle it means "rechts"."""
 _WHEELS = {
     "fl": {"fl", "lf", "vl", "frontleft", "leftfront", "l1"},
     "fr": {"fr", "rf", "vr", "frontright", "rightfront", "r1"},
@@ -39,7 +38,7 @@ _QUANTITIES = {
     row["quantity"]: _Words(frozenset(row["words"].split()), frozenset(row["others"].split()))
     for row in rows("words.csv", "calib.suggest")
 }
-"""Words by quantity. "derived" has the words of a channel that was computed, not measured."""
+"""By quantity; the words of "derived" show that a channel was computed, not measured."""
 _LONG = 5
 """Fewest letters of a word that is also found within compounds: ``Fahrzeuggeschwindigkeit``."""
 
@@ -56,21 +55,24 @@ def wheel_of(name: str) -> str | None:
 
 def split_wheel(name: str) -> tuple[str | None, str]:
     """The wheel in a name or at its end, as in ``WSFL``, and the other words: ``ws``."""
-    in_order = words(name)
-    wheel = _wheel_in(in_order)
-    if wheel is not None or not in_order:
-        return wheel, " ".join(word for word in in_order if word not in _SIDES)
-    *others, last = in_order
+    all_words = words(name)
+    wheel = _wheel_in(all_words)
+    if wheel is not None or not all_words:
+        return wheel, " ".join(word for word in all_words if word not in _SIDES)
+    *others, last = all_words
     wheel = _wheel_in([last[-2:]]) if len(last) > 2 else None
     return wheel, " ".join([*others, last[:-2]])
 
 
-def _wheel_in(in_order: list[str]) -> str | None:
-    """The only wheel whose abbreviation is among the words, else an axle and a side in a row."""
-    wheels = [wheel for wheel, names in _WHEELS.items() if not names.isdisjoint(in_order)]
+def _wheel_in(all_words: list[str]) -> str | None:
+    """The wheel whose abbreviation is among the words, or that an axle beside a side names.
+
+    None if several wheels are abbreviated, or no wheel is named.
+    """
+    wheels = [wheel for wheel, names in _WHEELS.items() if not names.isdisjoint(all_words)]
     if wheels:
         return wheels[0] if len(wheels) == 1 else None
-    for first, second in pairwise(in_order):
+    for first, second in pairwise(all_words):
         orders = [(first, second)]
         if len(first + second) > 2:  # `l r` is not a wheel
             orders.append((second, first))
@@ -95,7 +97,10 @@ def has_word(name: str, quantity: str) -> bool:
 
 
 def score(name: str, quantity: str) -> int:
-    """Twice the wanted words in a name, less 1 for a derived channel; -1 with an unwanted word."""
+    """How well a name fits a quantity: the higher, the better; -1 for a name of another quantity.
+
+    Each wanted word counts 2; a word for a derived channel takes 1 away.
+    """
     in_name, quantity_words = set(words(name)), _QUANTITIES[quantity]
     if _count(in_name, quantity_words.unwanted):
         return -1
@@ -103,6 +108,6 @@ def score(name: str, quantity: str) -> int:
 
 
 def _count(in_name: set[str], listed: frozenset[str]) -> int:
-    """Number of the words that are listed or contain a long listed word."""
+    """Number of words in a name that are listed or contain a long listed word."""
     long = [word for word in listed if len(word) >= _LONG]
     return sum(word in listed or any(part in word for part in long) for word in in_name)

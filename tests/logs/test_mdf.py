@@ -78,7 +78,7 @@ def test_what_has_only_names_is_a_state(tmp_path):
     opened = open_mdf(write(tmp_path / "run.mf4", [gear, signal("p_mc")]), {})
     gear, p = opened.read([1, 2])
     opened.close()
-    assert (gear.state, p.state) == (True, False)
+    assert (gear.is_state, p.is_state) == (True, False)
     np.testing.assert_array_equal(gear.values, np.arange(200) // 80)
 
 

@@ -1,11 +1,11 @@
-"""Read Vector BLF with python-can, which does not notice that a file is cut off.
+"""Read Vector BLF with python-can.
 
 header     LOGG, its length, size of the file, unpacked size, number of objects, start and stop
 object     LOBJ, its size, its type, content
 container  an object of type 10: method of compression, unpacked size, other objects
 
-So the sizes are compared with the content before. The number of objects is not: programs that write
-BLF count differently.
+python-can does not notice that a file is cut off. So the sizes are compared with the content
+first. The number of objects is not compared, since programs that write BLF count differently.
 """
 
 import struct
@@ -36,19 +36,19 @@ def open_blf(path: Path, dbc: Databases) -> Recording:
     most_frames = _check_sizes(path) // _OBJECT.size
     with path.open("rb") as file, can.BLFReader(file) as reader:
         frames = captured(islice(reader, most_frames + 1), database, where)
-    if len(frames.times) > most_frames:  # python-can reads an object of size 0 again and again
+    if len(frames.times) > most_frames:  # python-can would read an object of size 0 for ever
         raise damaged(where, "it has more frames than its size allows")
     return recording(frames, database, (), where)
 
 
 def _check_sizes(path: Path) -> int:
-    """Return the unpacked size. Raises LogError if sizes in the file do not fit its content."""
+    """Return the unpacked size [bytes]. Raises LogError if the content has not the stated sizes."""
     with path.open("rb") as file:
         head = file.read(_HEADER.size)
         if len(head) < _HEADER.size or head[:4] != b"LOGG":
             raise LogError("not a BLF file", where=path, expected="a file that begins with LOGG")
-        _, first, promised, unpacked = _HEADER.unpack(head)
-        if not (promised and unpacked):
+        _, first, stated, unpacked = _HEADER.unpack(head)
+        if not (stated and unpacked):
             raise LogError(
                 "the recorder did not finish the file: its header has no sizes",
                 where=path,
@@ -56,9 +56,9 @@ def _check_sizes(path: Path) -> int:
                 do="open it with the tool that wrote it and save it again",
             )
         size = file.seek(0, 2)
-        if size < promised:
-            share = f"{100 * (1 - size / promised):.0f} % of the file"
-            missing = f"{size} of {promised} bytes: {promised - size} are missing ({share})"
+        if size < stated:
+            share = f"{100 * (1 - size / stated):.0f} % of the file"
+            missing = f"{size} of {stated} bytes: {stated - size} are missing ({share})"
             raise damaged(path, f"the file has {missing}", "as much as the header states")
         file.seek(first)
         content: int = first + sum(_object_sizes(file, size, path))
@@ -69,9 +69,9 @@ def _check_sizes(path: Path) -> int:
 
 
 def _object_sizes(file: BinaryIO, end: int, path: Path) -> Iterator[int]:
-    """Yield the unpacked size of each object from the position of ``file`` to byte ``end``.
+    """Yield the unpacked size [bytes] of each object in ``file``, which ends at byte ``end``.
 
-    The size includes the bytes that align the next object.
+    It includes the bytes that align the next object.
     """
     while (head := file.read(_OBJECT.size)).strip(b"\0"):
         is_object = len(head) == _OBJECT.size and head[:4] == b"LOBJ"

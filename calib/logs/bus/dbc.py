@@ -1,7 +1,7 @@
-"""Read DBC, ARXML, KCD and SYM: place and unit of each signal in the frames of a bus.
+"""Read DBC, ARXML, KCD and SYM files with cantools: the signals in the frames of a bus.
 
-cantools reads them all; the ending of the file names the format. A DBC is read message by message,
-each with its own statements. So a flaw in one message leaves the others readable:
+The ending of the file names the format. A DBC is split into messages, each with its own statements,
+and cantools reads one message at a time. So a flaw in one message leaves the others readable:
 
 BO_ 256 WHL: 8 ESP           a message, followed by its signals
  SG_ WhlFL : 0|16@1+ ...
@@ -36,24 +36,24 @@ _FORMATS = ("dbc", "arxml", "kcd", "sym")  # another ending is read as a DBC
 _LONGEST_TEXT = 1_000_000  # characters in quotes; cantools needs 300 bytes of memory for each
 
 _DECODING = ("VAL_", "SIG_VALTYPE_", "SG_MUL_VAL_")  # statements that change what is decoded
-_LONG_NAMES = ("SystemSignalLongSymbol", "SystemMessageLongSymbol")  # of over 32 characters
+_LONG_NAMES = ("SystemSignalLongSymbol", "SystemMessageLongSymbol")  # names of over 32 characters
 _MOST_MESSAGES = 10_000  # cantools needs about a millisecond for each
 _NO_MESSAGE = "VECTOR__INDEPENDENT_SIG_MSG"  # holds the signals that belong to no message
-_EXTENDED = 1 << 31  # marks an identifier of 29 bits
+_EXTENDED = 1 << 31  # bit that a DBC adds to an identifier of 29 bits
 
 _COMMENT = re.compile(r'^[ \t]*CM_ [^"\n]*"(?:\\.|[^"\\])*"\s*;', re.MULTILINE | re.DOTALL)
 _BEGIN = re.compile(r'^[ \t]*(?=(?:[A-Z_]+_|VERSION)[ \t:"])', re.MULTILINE)
 _MESSAGE = re.compile(r"BO_\s+(\d+)\s+([^\s:]+)\s*:")
 _SIGNAL = re.compile(r'SG_\s+([^\s:]+)[^"\n]*(?:"([^"\n]*)")?')
-_OF_MESSAGE = re.compile(
+_ON_MESSAGE = re.compile(
     rf"(?:{'|'.join(_DECODING)})\s+(\d+)\s|"
     rf'BA_\s+"(?:{"|".join(_LONG_NAMES)})"\s+(?:SG_|BO_)\s+(\d+)'
 )
-_COMMON = re.compile(rf'BA_(?:DEF_|DEF_DEF_)?\s.*"(?:{"|".join(_LONG_NAMES)})"')
+_DEFINITION = re.compile(rf'BA_(?:DEF_|DEF_DEF_)?\s.*"(?:{"|".join(_LONG_NAMES)})"')
 
 
 class FlawedSignal(NamedTuple):
-    """A signal of a message that cannot be read; its fields are named as those of cantools."""
+    """A signal of a message that cannot be read, with the field names of cantools."""
 
     name: str
     unit: str
@@ -61,7 +61,7 @@ class FlawedSignal(NamedTuple):
 
 
 class Flawed(NamedTuple):
-    """A message that cannot be read, and ``why``; its fields are named as those of cantools."""
+    """A message that cannot be read, and ``why``, with the field names of cantools."""
 
     name: str
     frame_id: int
@@ -84,7 +84,7 @@ class Flawed(NamedTuple):
 class Dbc(NamedTuple):
     """The messages of all databases."""
 
-    buses: "dict[str, dict[Key, _Described]]"  # by bus and identifier; the bus "" is every bus
+    buses: "dict[str, dict[Key, _Described]]"  # by bus and identifier; the bus "" means all buses
     notes: tuple[str, ...] = ()  # names and digests of the files, and their flaws
 
     def find(self, bus: str, key: Key) -> "_Described | None":
@@ -93,7 +93,7 @@ class Dbc(NamedTuple):
 
 
 def read_databases(databases: Databases, extra: str, where: str) -> Dbc:
-    """Read the databases of a channel map. ``extra`` is the extra that installs cantools.
+    """Read the databases of a channel map; ``extra`` is the optional dependency with cantools.
 
     Raises ChannelMapError for a file that is not valid, and for two messages with the same
     identifier on a bus.
@@ -124,14 +124,14 @@ def read_databases(databases: Databases, extra: str, where: str) -> Dbc:
 def _load(cantools: Any, path: Path) -> "tuple[bytes, list[_Described], list[str]]":
     """Return the bytes and the messages of a database, and notes on its flaws."""
     ending = path.suffix[1:].lower()
-    kind = ending if ending in _FORMATS else "dbc"
-    name = kind.upper()
+    file_format = ending if ending in _FORMATS else "dbc"
+    name = file_format.upper()
     content = bytes_of(path, DBC, ChannelMapError, f"a {name}")
     try:
         text, _ = text_of(to_utf8(content, str(path)))
     except LogError as cause:
         raise ChannelMapError(cause.problem, where=path, expected=f"the format {name}") from cause
-    if kind in ("dbc", "sym"):  # the other formats are XML, which needs no such limit
+    if file_format in ("dbc", "sym"):  # the others are XML, which needs no such limit
         longest = max(map(len, text.replace('\\"', "''").split('"')[1::2]), default=0)
         if longest > _LONGEST_TEXT:
             raise ChannelMapError(
@@ -141,10 +141,10 @@ def _load(cantools: Any, path: Path) -> "tuple[bytes, list[_Described], list[str
                 do="is a quote missing?",
             )
     try:
-        if kind == "dbc":
+        if file_format == "dbc":
             messages, flaws = _by_message(cantools, text, str(path))
         else:
-            database = cantools.database.load_string(text, database_format=kind, strict=True)
+            database = cantools.database.load_string(text, file_format, strict=True)
             messages, flaws = database.messages, []
     except Exception as cause:  # cantools raises many kinds, some of its parser's
         raise ChannelMapError(
@@ -160,9 +160,9 @@ def _load(cantools: Any, path: Path) -> "tuple[bytes, list[_Described], list[str
 
 @dataclass
 class _MessageText:
-    """One message of a DBC."""
+    """The text of one message in a DBC."""
 
-    number: int  # identifier as the DBC writes it, with `_EXTENDED` where it has 29 bits
+    number: int  # identifier as the DBC writes it, with the bit `_EXTENDED` if it has 29 bits
     name: str
     text: str  # all statements of the message
     signals: dict[str, str] = field(default_factory=dict)  # units by name
@@ -177,7 +177,7 @@ def _by_message(cantools: Any, text: str, where: str) -> "tuple[list[_Described]
     for part in parts:
         message = _read(cantools, part, common, where)
         key = (message.frame_id, message.is_extended_frame)
-        if (first := by_key.get(key)) is not None:
+        if first := by_key.get(key):
             name, why = f"{first.name} and {message.name}", f"both have the identifier {key[0]:#x}"
             all_signals = (*first.signals, *message.signals)
             signals = tuple(FlawedSignal(signal.name, signal.unit or "") for signal in all_signals)
@@ -207,9 +207,9 @@ def _read(cantools: Any, part: _MessageText, common: str, where: str) -> "_Descr
 
 
 def _parts(text: str) -> tuple[str, list[_MessageText]]:
-    """Split a DBC into the ``common`` statements of all messages, and the text of each message."""
+    """Split a DBC into the definitions that all messages need, and the text of each message."""
     parts: list[_MessageText] = []
-    later: dict[int, str] = defaultdict(str)
+    later: dict[int, str] = defaultdict(str)  # statements that follow the messages, by number
     common, previous = "", ""
     for statement in _BEGIN.split(_COMMENT.sub("", text))[1:]:
         if message := _MESSAGE.match(statement):
@@ -217,9 +217,9 @@ def _parts(text: str) -> tuple[str, list[_MessageText]]:
         elif (signal := _SIGNAL.match(statement)) and previous in ("BO_", "SG_") and parts:
             parts[-1].text += statement
             parts[-1].signals[signal[1]] = signal[2] or ""
-        elif statement_of := _OF_MESSAGE.match(statement):
-            later[int(statement_of[1] or statement_of[2])] += statement
-        elif _COMMON.match(statement):
+        elif number := _ON_MESSAGE.match(statement):
+            later[int(number[1] or number[2])] += statement
+        elif _DEFINITION.match(statement):
             common += statement
         previous = statement.split(maxsplit=1)[0]
     for part in parts:

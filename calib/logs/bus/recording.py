@@ -1,6 +1,9 @@
 """Make a recording from bus frames and a DBC: one trace for each signal of the frames.
 
-Bits of a signal (-) from its start (s); in both cases the signal goes on in byte 1:
+frames of python-can --captured--> Capture --recording--> Recording, which calls decode
+
+A DBC counts the bits of a frame as below. A signal begins at its start bit (s) and covers the bits
+marked (-); in both byte orders it goes on in byte 1:
 
 little endian, s is the lowest bit     big endian, s is the highest bit
 byte 0   7  6  5  4  3  2  1  0        byte 0   7  6  5  4  3  2  1  0
@@ -32,11 +35,12 @@ if TYPE_CHECKING:
 
 
 _Source: TypeAlias = "tuple[Frames, Message | Flawed, Signal | FlawedSignal]"
+"""Arguments of `decode`."""
 
 _INVALID = re.compile(
     r"\bsna\b|invalid|error|fault|not.?avail|undefined|\binit|fehler|ung(ue|ü)ltig", re.IGNORECASE
 )
-"""Words in the name of a raw value that mark an invalid measurement."""
+"""Words in the name that a DBC gives a raw value, which mark an invalid measurement."""
 
 _MOST_BITS = 64  # a longer signal is no number but text or raw bytes
 _FLOAT_TYPES = {16: ("u2", "f2"), 32: ("u4", "f4"), 64: ("u8", "f8")}
@@ -55,17 +59,15 @@ class Frames(NamedTuple):
 
 @dataclass
 class Capture:
-    """The frames of a file: ``times`` [s] of all, and the number of error frames.
+    """The frames of a file."""
 
-    ``frames`` holds, by bus and identifier, the rows in ``times`` and the bytes of the frames; None
-    if the DBC does not describe them.
-    """
-
-    times: "array[float]" = field(default_factory=lambda: array("d"))
-    errors: int = 0
+    times: "array[float]" = field(default_factory=lambda: array("d"))  # of all frames [s]
+    errors: int = 0  # number of error frames
     frames: "dict[tuple[str, Key], tuple[array[int], list[bytes]] | None]" = field(
         default_factory=dict
     )
+    """By bus and identifier: the indices in ``times`` and the bytes of the frames; None if the DBC
+    does not describe them."""
 
 
 def captured(messages: "Iterable[can.Message]", dbc: Dbc, where: str) -> Capture:
@@ -75,7 +77,7 @@ def captured(messages: "Iterable[can.Message]", dbc: Dbc, where: str) -> Capture
     """
     capture = Capture()
     try:
-        for row, message in enumerate(messages):
+        for index, message in enumerate(messages):
             capture.times.append(message.timestamp)
             if message.is_error_frame:
                 capture.errors += 1
@@ -85,8 +87,8 @@ def captured(messages: "Iterable[can.Message]", dbc: Dbc, where: str) -> Capture
                 capture.frames[origin] = (array("L"), []) if dbc.find(*origin) else None
             described = capture.frames[origin]
             if described and not message.is_remote_frame:
-                rows, data = described
-                rows.append(row)
+                indices, data = described
+                indices.append(index)
                 data.append(bytes(message.data))
     except LogError:
         raise
@@ -122,20 +124,21 @@ def recording(capture: Capture, dbc: Dbc, notes: tuple[str, ...], where: str) ->
     time = np.asarray(capture.times)
     check_running(time, where)
     begin = float(time.min())
-    frames = [
-        _frames_of(*origin, time[np.asarray(described[0], np.int64)] - begin, described[1])
-        for origin, described in sorted(capture.frames.items())
-        if described and described[0]
-    ]
+    frames = []
+    for (bus, key), described in sorted(capture.frames.items()):
+        if described and described[0]:
+            indices, data = described
+            times = time[np.asarray(indices, np.int64)] - begin
+            frames.append(_frames_of(bus, key, times, data))
     buses = sorted({bus for bus, _ in capture.frames})
     require_described(frames, buses, dbc, where)
     frame_notes = [f"time counts from the first frame, which was written at {begin:.6f} s"]
     if capture.errors:
         frame_notes.append(f"{capture.errors} error frames were ignored")
-    columns, signals = described_signals(frames, dbc)
+    columns, sources = described_signals(frames, dbc)
 
     def read(indices: Sequence[int]) -> list[ChannelTrace]:
-        return [decode(*signals[i - 1]) for i in indices]
+        return [decode(*sources[i - 1]) for i in indices]  # column 0 is the clock
 
     return Recording((CLOCK, *columns), read, (*dbc.notes, *notes, *frame_notes))
 
@@ -156,23 +159,22 @@ def require_described(frames: list[Frames], buses: Sequence[str], dbc: Dbc, wher
 
 
 def described_signals(frames: list[Frames], dbc: Dbc) -> tuple[list[Column], list["_Source"]]:
-    """Return column and source of every signal that is a number.
+    """Return the column of every signal that is a number, and the arguments to `decode` it.
 
-    The full name of a column begins with the bus if several buses have messages of that name.
+    The full name of a column begins with the bus if several buses have messages of one name.
     """
     pairs = [(item, dbc.find(item.bus, item.key)) for item in frames]
     described = [(item, message) for item, message in pairs if message]
     count = Counter(message.name for _, message in described)
-    columns, signals = [], []
+    columns, sources = [], []
     for item, message in described:
         prefix = f"{item.bus}." if count[message.name] > 1 else ""
         for signal in message.signals:
-            if signal.length > _MOST_BITS:
-                continue
-            full = f"{prefix}{message.name}.{signal.name}"
-            columns.append(Column(signal.name, signal.unit or None, full))
-            signals.append((item, message, signal))
-    return columns, signals
+            if signal.length <= _MOST_BITS:
+                full = f"{prefix}{message.name}.{signal.name}"
+                columns.append(Column(signal.name, signal.unit or None, full))
+                sources.append((item, message, signal))
+    return columns, sources
 
 
 def decode(
@@ -180,31 +182,30 @@ def decode(
 ) -> ChannelTrace:
     """Decode the samples of one signal. Raises LogError if its message is flawed in the DBC.
 
-    A sample whose value has a name such as "invalid" is NaN. The signal is a state if all values
-    that occur have names.
+    A sample is NaN if the DBC names its value "invalid" or the like (`_INVALID`). The signal is a
+    state if the DBC has a name for each value that occurs.
     """
     if isinstance(message, Flawed):
         raise message.error(signal.name)
     signal = cast("Signal", signal)
-    chosen = _present(frames, message, signal)
-    data, time = frames.data[chosen], frames.time[chosen]
+    present = _present(frames, message, signal)
+    data, time = frames.data[present], frames.time[present]
     clock = f"message {message.name} of bus {frames.bus}"
-    if not chosen.all():
+    if not present.all():
         clock += f", frames with {signal.name}"
     if not len(data):
         return ChannelTrace(clock, time, np.zeros(0))
     codes = _number(_raw(data, signal), signal)
     values = codes * float(signal.scale) + float(signal.offset)
     names = {float(code): str(name) for code, name in (signal.choices or {}).items()}
-    state = bool(names) and bool(np.isin(np.unique(codes), list(names)).all())
+    is_state = bool(names) and bool(np.isin(np.unique(codes), list(names)).all())
     invalid = [code for code, name in names.items() if _INVALID.search(name)]
-    if invalid:
-        values[np.isin(codes, invalid)] = np.nan
-    return ChannelTrace(clock, time, values, state)
+    values[np.isin(codes, invalid)] = np.nan
+    return ChannelTrace(clock, time, values, is_state)
 
 
 def _present(frames: Frames, message: "Message", signal: "Signal") -> Mask:
-    """Mask of the frames that contain the signal: long enough, and selected by the multiplexer."""
+    """Mask (n,) of the frames that are long enough and whose multiplexer selects the signal."""
     present: Mask = 8 * frames.length.astype(np.int64) >= _first_bit(signal) + signal.length
     if not signal.multiplexer_ids or signal.multiplexer_signal is None:
         return present
@@ -222,23 +223,26 @@ def _raw(data: NDArray[np.uint8], signal: "Signal") -> NDArray[np.uint64]:
     first_bit = _first_bit(signal)
     byte, bit = divmod(first_bit, 8)
     part = data[:, byte : (first_bit + signal.length + 7) // 8]
-    bits = np.unpackbits(part, axis=1, bitorder="little" if is_little else "big")
-    weight = np.uint64(1) << np.arange(signal.length, dtype=np.uint64)
-    return bits[:, bit : bit + signal.length] @ (weight if is_little else weight[::-1])
+    bits = np.unpackbits(part, axis=1, bitorder="little" if is_little else "big")  # (n, 8 * bytes)
+    weights = np.uint64(1) << np.arange(signal.length, dtype=np.uint64)
+    return bits[:, bit : bit + signal.length] @ (weights if is_little else weights[::-1])
 
 
 def _first_bit(signal: "Signal") -> int:
-    """Place of the first bit in the order of `_raw`: in big endian from the top of each byte."""
+    """Place of the start bit in the bits of `_raw`, in which the signal covers adjacent bits.
+
+    In big endian they begin with the highest bit of each byte.
+    """
     byte, bit = divmod(signal.start, 8)
     return 8 * byte + (bit if signal.byte_order == "little_endian" else 7 - bit)
 
 
-def _number(value: NDArray[np.uint64], signal: "Signal") -> Array:
-    """Numbers (n,) that raw integers stand for: unsigned, two's complement or IEEE 754."""
+def _number(raw: NDArray[np.uint64], signal: "Signal") -> Array:
+    """Numbers (n,) for raw integers (n,), which are unsigned, two's complement or IEEE 754."""
     if signal.is_float:
         integer, floating = _FLOAT_TYPES[signal.length]
-        return value.astype(integer).view(floating).astype(np.float64)
+        return raw.astype(integer).view(floating).astype(np.float64)
     if not signal.is_signed:
-        return value.astype(np.float64)
+        return raw.astype(np.float64)
     unused = 64 - signal.length  # shifted up and down again, the sign fills these bits
-    return ((value << np.uint64(unused)).view(np.int64) >> np.int64(unused)).astype(np.float64)
+    return ((raw << np.uint64(unused)).view(np.int64) >> np.int64(unused)).astype(np.float64)

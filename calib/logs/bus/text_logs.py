@@ -6,8 +6,10 @@ TRC       ;$FILEVERSION=2.1                          none in version 1.0
           ;$COLUMNS=N,O,T,B,I,d,R,L,D                from version 2.0 on
                 1    17535.400 DT 1      0100 Rx -  8    00 00 00 00 00 00 00 00
 
-python-can (4.6) leaves out a line that it cannot read, and pads a frame that is cut off. So the
-lines that look like frames are counted here, and the bytes of each frame compared with its length.
+python-can (4.6) leaves out a line that it cannot read, and pads a frame that is cut off. So this
+file counts the lines that look like frames, and compares the bytes of each frame with its length.
+
+lines --_counted--> --_asc--> python-can --_whole_frames--> frames --captured--> Capture
 """
 
 import logging
@@ -28,8 +30,8 @@ if TYPE_CHECKING:
 
 
 @dataclass
-class _Text:
-    """A text log as far as it was read."""
+class _TextState:
+    """What the lines of a text log that were read so far contain."""
 
     path: Path
     frames: int = 0  # number of lines that look like frames
@@ -37,10 +39,11 @@ class _Text:
     block: str = ""  # last mark of a block in an ASC log, "begin" or "end"
 
 
-def _counted(lines: Iterable[str], frame: re.Pattern[str], text: _Text) -> Iterator[str]:
+def _counted(lines: Iterable[str], frame: re.Pattern[str], state: _TextState) -> Iterator[str]:
+    """Yield the lines, and count in ``state`` those that begin as a ``frame`` does."""
     for line in lines:
-        text.frames += bool(frame.match(line))
-        text.last = line if line.strip() else text.last
+        state.frames += bool(frame.match(line))
+        state.last = line if line.strip() else state.last
         yield line
 
 
@@ -50,11 +53,11 @@ _RELATIVE = re.compile(r"\s*base\s+\w+\s+timestamps\s+relative", re.IGNORECASE)
 _BLOCK = re.compile(r"(begin|end)\s+triggerblock", re.IGNORECASE)
 
 
-def _asc(lines: Iterable[str], text: _Text) -> Iterator[str]:
+def _asc(lines: Iterable[str], state: _TextState) -> Iterator[str]:
     """Yield the lines of an ASC log. Raises LogError for relative timestamps.
 
-    python-can skips the first line after the header unless it is about internal events, so such a
-    line is inserted where it is missing.
+    python-can takes the first line after the header for one about internal events, and skips it. So
+    such a line is inserted if the log has none.
     """
     in_header = True
     for line in lines:
@@ -62,7 +65,7 @@ def _asc(lines: Iterable[str], text: _Text) -> Iterator[str]:
             if _RELATIVE.match(line):
                 raise LogError(
                     "its timestamps are relative to the line before ('timestamps relative')",
-                    where=text.path,
+                    where=state.path,
                     expected="timestamps absolute: a missing line would shift all later ones",
                     do="export it again with absolute timestamps",
                 )
@@ -70,7 +73,7 @@ def _asc(lines: Iterable[str], text: _Text) -> Iterator[str]:
             if not (in_header or _EVENTS.match(line)):
                 yield "no internal events logged\n"
         if mark := _BLOCK.match(line):
-            text.block = mark[1].lower()
+            state.block = mark[1].lower()
         yield line
 
 
@@ -110,31 +113,32 @@ def open_text_log(path: Path, dbc: Databases) -> Recording:
     logging.getLogger("can.io.trc").setLevel(logging.CRITICAL + 1)  # what it skips is refused here
     database = require_dbc(dbc, "can", str(path))
     ending = path.suffix.lower()
-    (reader, frame), text = _FORMATS[ending], _Text(path)
+    reader, frame = _FORMATS[ending]
+    state = _TextState(path)
     try:
         with path.open(encoding="utf-8", errors="replace") as file:
             if ending == ".trc":
                 _require_version(file.read(_HEAD), path)
                 file.seek(0)
-            lines = _counted(file, frame, text)
-            lines = _asc(lines, text) if ending == ".asc" else lines
+            lines = _counted(file, frame, state)
+            lines = _asc(lines, state) if ending == ".asc" else lines
             messages = _whole_frames(getattr(can, reader)(lines), ending, path)
             capture = captured(messages, database, str(path))
     except LogError:
-        if text.frames:  # a last line that is cut off explains the error better
-            _require_line_end(text, ending)
+        if state.frames:  # a last line that is cut off explains the error better
+            _require_line_end(state, ending)
         raise
-    _require_line_end(text, ending)
+    _require_line_end(state, ending)
     count = len(capture.times)
-    if text.block == "begin":
+    if state.block == "begin":
         frames = f"{count} frames up to {capture.times[-1]:.3f} s"
         flaw = f"the end is missing: {frames}, but no 'End TriggerBlock'"
         raise damaged(path, flaw, "a block with its end")
-    if count != text.frames:
-        flaw = f"{count} of {text.frames} lines that look like frames can be read"
+    if count != state.frames:
+        flaw = f"{count} of {state.frames} lines that look like frames can be read"
         raise damaged(path, f"{flaw}: others are missing or damaged", "all of them")
     note = "the log has no footer: one that was cut at the end of a line looks like a complete one"
-    return recording(capture, database, () if text.block else (note,), str(path))
+    return recording(capture, database, () if state.block else (note,), str(path))
 
 
 def _require_version(head: str, path: Path) -> None:
@@ -155,7 +159,9 @@ def _whole_frames(
 
     for message in messages:
         length = min(message.dlc, 8)  # codes 9 to 15 stand for 8 bytes, too (ISO 11898-1)
-        if message.is_fd:  # from TRC python-can reads the code of the length, else the length
+        if (
+            message.is_fd
+        ):  # dlc is the code of the length in TRC, the length itself in other formats
             length = dlc2len(message.dlc) if ending == ".trc" else message.dlc
         if not message.is_remote_frame and len(message.data) < length:
             flaw = f"a frame at {message.timestamp:.6f} s has {len(message.data)} of {length} bytes"
@@ -166,12 +172,12 @@ def _whole_frames(
 _LAST_BYTE = re.compile(r".*\s([0-9A-F]{2}|RTR)", re.IGNORECASE | re.DOTALL)
 
 
-def _require_line_end(text: _Text, ending: str) -> None:
+def _require_line_end(state: _TextState, ending: str) -> None:
     """Raise LogError if the last line is cut off."""
-    is_frame = bool(_FORMATS[ending][1].match(text.last))
+    is_frame = bool(_FORMATS[ending][1].match(state.last))
     # a TRC log of PEAK-Converter has no end of line after its last byte, which has two digits
-    needs_no_end = ending == ".trc" and (not is_frame or _LAST_BYTE.fullmatch(text.last))
-    if text.last and not (text.last.endswith("\n") or needs_no_end):
-        cut = f"cut off within the last line, {text.last.strip()[:60]!r}"
-        flaw = f"{cut}, after {text.frames - is_frame} whole frames"
-        raise damaged(text.path, flaw, "an end of line")
+    needs_no_end = ending == ".trc" and (not is_frame or _LAST_BYTE.fullmatch(state.last))
+    if state.last and not (state.last.endswith("\n") or needs_no_end):
+        cut = f"cut off within the last line, {state.last.strip()[:60]!r}"
+        flaw = f"{cut}, after {state.frames - is_frame} whole frames"
+        raise damaged(state.path, flaw, "an end of line")

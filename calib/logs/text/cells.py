@@ -4,10 +4,10 @@ Header cells that are read as a name and a unit:
 name [unit]    always
 name (unit)    if the text in brackets is a unit, or the name is that of a channel
 name|unit|...  always; lowest and highest value and rate may follow
-name_unit      if the name is that of a channel and the ending a unit of it, or if the ending can
-               only be a unit of a channel: ``time_s`` but not ``valve_s``
+name_unit      if the name is that of a channel and the ending is a unit of it; or if the ending
+               has three letters and is a unit of some channel: ``brake_bar``, not ``valve_s``
 
-Cells that are read as times, without the date:
+Cells that are read as times; a date is left out:
 14:03:07,120    2026-03-14T14:03:07.120+01:00    14-Mar-2026 2:03:07.120 PM    03:07.120    0.12 sec
 
 A clock that goes back has passed midnight, since a run is shorter than half a day.
@@ -25,27 +25,29 @@ from calib.base.units import is_unit, spelling, to_si
 from calib.logs.clock import REPEATED
 from calib.logs.source import Column
 
+EMPTY = ("", "nan", "NaN", "NAN", "NA", "N/A", "null")  # cells without a value
+
 
 def column_from_cell(cell: str) -> Column:
     """Split a header cell into name and unit; the whole cell is the full name."""
     cell = cell.strip()
-    parts = _in_brackets(cell, "[", "]")
+    parts = _split_brackets(cell, "[", "]")
     if parts is None and "|" in cell:
         name, unit, *_ = cell.split("|", 2)
         parts = name.strip('" '), unit.strip('" ')
-    if parts is None and (in_round := _in_brackets(cell, "(", ")")):
+    if parts is None and (in_round := _split_brackets(cell, "(", ")")):
         name, unit = in_round
         is_channel = name in CHANNELS or name.startswith(TRUTH)
         if name and (is_channel or is_unit(unit)):
             parts = in_round
-    parts = parts or _with_ending(cell)
+    parts = parts or _split_ending(cell)
     if parts is None:
         return Column(cell, None)
     name, unit = parts
     return Column(name, unit.strip(), "" if cell == f"{name} [{unit}]" else cell)
 
 
-def _in_brackets(cell: str, opening: str, closing: str) -> tuple[str, str] | None:
+def _split_brackets(cell: str, opening: str, closing: str) -> tuple[str, str] | None:
     # a regular expression would take cubic time for a cell of many blanks
     name, bracket, unit = cell.rpartition(opening)
     if not bracket or not unit.endswith(closing) or closing in unit[:-1]:
@@ -53,28 +55,26 @@ def _in_brackets(cell: str, opening: str, closing: str) -> tuple[str, str] | Non
     return name.strip(), unit[:-1]
 
 
-def _with_ending(cell: str) -> tuple[str, str] | None:
+def _split_ending(cell: str) -> tuple[str, str] | None:
     if cell in CHANNELS:
         return None
     words = cell.split("_")
     for count in (2, 1):  # ``m_s`` is tried before ``s``
         name, unit = "_".join(words[:-count]), "/".join(words[-count:])
         if name in CHANNELS:
-            quantities = [CHANNELS[name]]
-        # one or two letters may mean something else than a unit, and "min" the lowest value
-        elif name and unit != "min" and (len(unit) > 2 or unit == "Nm"):
-            quantities = [*CHANNELS.values()]
-        else:
-            continue
-        if any(is_unit(unit, quantity.si) for quantity in quantities):
+            is_ending = is_unit(unit, CHANNELS[name].si)
+        else:  # one or two letters may mean something else than a unit, and "min" the lowest value
+            is_clear = bool(name) and unit != "min" and (len(unit) > 2 or unit == "Nm")
+            is_ending = is_clear and any(is_unit(unit, q.si) for q in CHANNELS.values())
+        if is_ending:
             return name, spelling(unit)
     return None
 
 
 def is_unit_row(cells: Sequence[str]) -> bool:
     """Whether a row below the names holds units: no number, and at least one unit."""
-    words = [word for word in map(_without_brackets, cells) if word and word != "1"]
-    return not any(map(_NUMERIC.fullmatch, words)) and any(map(is_unit, words))
+    texts = [text for text in map(_without_brackets, cells) if text and text != "1"]
+    return not any(map(_NUMERIC.fullmatch, texts)) and any(map(is_unit, texts))
 
 
 _NUMERIC = re.compile(r"[-+]?[\d.,]+([eE][-+]?\d+)?")
@@ -109,11 +109,9 @@ DAY, HOUR = 86400.0, 3600.0
 _TIME = re.compile(
     r"(?:[^:]*[\sT_])?"  # weekday, date
     r"(?:(?P<h>\d{1,2}):)?(?P<m>[0-5]?\d):(?P<s>[0-5]?\d(?:[.,:]\d+)?)"
-    r"(?:\s*(?P<half>[AaPp])\.?[Mm]\.?)?"
+    r"(?:\s*(?P<half>[AaPp])\.?[Mm]\.?)?"  # AM or PM
     r"(?:\s*(?:Z|[A-Z]{2,5})?\s*(?:[+-]\d{2}:?(?:\d{2})?)?(?:\s\d{4})?)"  # zone, year
 )
-
-
 _WITH_UNIT = re.compile(r"([-+]?\d++(?:[.,]\d++)?)\s*([a-zµμ]++)", re.IGNORECASE)
 
 
@@ -129,7 +127,7 @@ def is_clock(cell: str) -> bool:
 
 
 def _seconds(cell: str) -> tuple[float, float] | None:
-    """Time of a cell [s], and period of its clock [s]; None if the cell is no time."""
+    """Time in a cell [s], and period of its clock [s]; None if the cell is no time."""
     if parts := _WITH_UNIT.fullmatch(cell):
         number, unit = float(parts[1].replace(",", ".")), parts[2]
         return (to_si(number, unit, "s"), HOUR) if is_unit(unit, "s") else None
@@ -140,19 +138,19 @@ def _seconds(cell: str) -> tuple[float, float] | None:
     if match["half"]:
         hours = hours % 12 + (12 if match["half"] in "Pp" else 0)
     seconds = float(match["s"].replace(",", ".").replace(":", "."))
-    time = 3600.0 * hours + 60.0 * int(match["m"]) + seconds
+    time = HOUR * hours + 60.0 * int(match["m"]) + seconds
     return round(time, 9), DAY if match["h"] else HOUR
 
 
-def clock_seconds(cells: Sequence[str | None], empty: Sequence[str], where: str) -> Array:
-    """Read times as seconds since the first row (n,), NaN for a cell in ``empty``.
+def clock_seconds(cells: Sequence[str | None], where: str) -> Array:
+    """Read times as seconds since the first row (n,), NaN for a cell in `EMPTY`.
 
     Raises LogError for a cell that is no time, and for a clock that is too coarse.
     """
     values, period = np.full(len(cells), np.nan), HOUR
     for row, cell in enumerate(cells):
         text = (cell or "").strip()
-        if text in empty or not text:
+        if text in EMPTY:
             continue
         seconds = _seconds(text)
         if seconds is None:
@@ -177,10 +175,11 @@ def over_midnight(time: Array, period: float = DAY) -> Array:
 def from_first(time: Array, where: str) -> Array:
     """Count ``time`` [s] (n,) from its first value. Raises LogError for a clock too coarse."""
     present = time[~np.isnan(time)]
-    same = int(np.count_nonzero(np.diff(present) == 0.0))
-    if same > REPEATED * time.size:
+    repeated = int(np.count_nonzero(np.diff(present) == 0.0))
+    if repeated > REPEATED * time.size:
+        flaw = f"{repeated} of {time.size} rows have the time of the row before"
         raise LogError(
-            f"the clock is too coarse: {same} of {time.size} rows have the time of the row before",
+            f"the clock is too coarse: {flaw}",
             where=where,
             expected="a time of its own for each row",
             do="export the time with parts of a second, or as seconds from the start of the log",

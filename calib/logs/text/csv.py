@@ -1,4 +1,8 @@
-"""Read separated text: the canonical ``name [unit]`` with commas, and styles of other programs."""
+"""Read separated text: CSV in the format of the project, and tables of many other programs.
+
+bytes --to_utf8--> text --layout_of--> header --_columns--> columns
+                                       rows --decimal_of, TextRows--> numbers
+"""
 
 import re
 from collections.abc import Collection, Sequence
@@ -8,10 +12,9 @@ from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.logs.parquet import numbers
 from calib.logs.source import Column, ColumnSource, damaged
-from calib.logs.text.cells import clock_seconds, column_from_cell, is_clock, with_unit_row
+from calib.logs.text.cells import EMPTY, clock_seconds, column_from_cell, is_clock, with_unit_row
 from calib.logs.text.dialect import (
     DETECTED,
-    EMPTY,
     TextFormat,
     cells_of,
     decimal_of,
@@ -37,7 +40,7 @@ def open_csv(data: bytes, where: str, text_format: TextFormat = DETECTED) -> Col
     if not data or data.isspace():
         raise LogError("the file is empty", where=where, expected="a header and samples")
     begin = 0
-    # spreadsheets declare the separator in the first line
+    # a spreadsheet may declare the separator in the first line
     declared = re.match(rb"\s*sep=([,;\t|])[^\S\r\n]*\r?\n", data, re.IGNORECASE)
     if declared:
         begin = declared.end()
@@ -47,18 +50,18 @@ def open_csv(data: bytes, where: str, text_format: TextFormat = DETECTED) -> Col
     separator = layout.separator
     names, units, remarks = (cells_of(line, separator) for line in header.split("\n"))
     columns = _columns(names, units, remarks, where)
-    rows = [row for line in sample_of(data, layout.start) if (row := cells_of(line, separator))]
+    rows = [cells_of(line, separator) for line in sample_of(data, layout.start)]
     decimal = text_format.decimal or decimal_of(rows, separator, where)
-    clocks = []
+    notes = [f"{zeros} zero bytes at the end were not read" if zeros else None, encoding_note]
+    clocks = set[int]()
     for i, column in enumerate(columns):
         cells = [row[i] for row in rows if len(row) > i]
         if i not in layout.numbers and mostly(is_clock, cells):
-            clocks.append(i)
+            clocks.add(i)
             columns[i] = Column(column.name, "s", column.full or names[i])
-    zeros_note = f"{zeros} zero bytes at the end were not read" if zeros else ""
-    clock_notes = [f"{columns[i].name}: a clock, counted from its first row" for i in clocks]
-    table = TextRows(data, layout.start, tuple(columns), where, separator, decimal, {*clocks})
-    notes = (zeros_note, encoding_note, *clock_notes, table.check_end())
+            notes.append(f"{column.name}: a clock, counted from its first row")
+    table = TextRows(data, layout.start, tuple(columns), where, separator, decimal, clocks)
+    notes.append(table.check_end())
     return ColumnSource(table.columns, table.read, tuple(filter(None, notes)))
 
 
@@ -76,10 +79,10 @@ def _columns(names: list[str], units: list[str], remarks: list[str], where: str)
 
 @dataclass(frozen=True)
 class TextRows:
-    """The rows of a table."""
+    """The rows of a table, which begin at byte ``start`` of ``data``."""
 
     data: bytes
-    start: int  # byte of ``data`` at which the rows begin
+    start: int
     columns: tuple[Column, ...]
     where: str
     separator: str
@@ -94,15 +97,15 @@ class TextRows:
         0.010,0.20,74.4           a shorter number and no end of line
         """
         data, start, width = self.data, self.start, len(self.columns)
-        tail = 20 * 64 * width  # bytes of the last 20 rows, at most 64 for each cell
-        text = data[max(start, len(data) - tail) :].rstrip(b"\r\n")
-        if not text:  # nothing but blank lines in the tail: look before them
-            text = data[start:].rstrip(b"\r\n")[-tail:]
-        lines = [line.decode(errors="replace") for line in text.splitlines()[-20:]]
+        tail_size = 20 * 64 * width  # bytes of the last 20 rows, with 64 for each cell
+        tail = data[max(start, len(data) - tail_size) :].rstrip(b"\r\n")
+        if not tail:  # only blank lines: look before them
+            tail = data[start:].rstrip(b"\r\n")[-tail_size:]
+        lines = [line.decode(errors="replace") for line in tail.splitlines()[-20:]]
         *before_last, last = (cells_of(line, self.separator) for line in lines)
         earlier = [row for row in before_last if row]
         other_widths = [len(row) for row in earlier if len(row) != width]
-        if 2 * len(other_widths) > len(earlier):  # no table, rather than one that is cut off
+        if 2 * len(other_widths) > len(earlier):
             rows = f"{len(other_widths)} of the {len(earlier)} rows before the last one"
             raise LogError(
                 f"{rows} have {min(other_widths)} to {max(other_widths)} cells",
@@ -119,10 +122,10 @@ class TextRows:
         return None if has_line_end else "no end of line after the last row, which looks complete"
 
     def _is_shorter(self, cell: str, earlier: list[str]) -> bool:
-        """Whether the last cell of a file looks cut off beside the ``earlier`` cells of its column.
+        """Whether the last cell of a file is shorter than all ``earlier`` cells of its column.
 
-        If these have one number of decimals, decimals are compared, else characters. A cell that
-        was cut may look complete.
+        Decimals are compared if all earlier cells have equally many, or else characters. A cell
+        that was cut may still be as long as others.
         """
         if not earlier:
             return False
@@ -153,7 +156,7 @@ class TextRows:
         except pa.ArrowInvalid as cause:
             raise self._bad_row(str(cause)) from cause
         return [
-            clock_seconds(column.to_pylist(), EMPTY, f"{self.where}: {self.columns[i].name}")
+            clock_seconds(column.to_pylist(), f"{self.where}: {self.columns[i].name}")
             if i in self.clocks
             else numbers(column)
             for i, column in zip(indices, table.columns, strict=True)

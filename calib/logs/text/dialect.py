@@ -1,4 +1,4 @@
-"""Find the format of a text table: where its header and rows stand, separator and decimal mark.
+"""Find the format of a text table: the place of its header and rows, separator and decimal mark.
 
 "Format","MoTeC CSV File"       lines above the table: of another width, or above a blank line
 "Sample Rate","100"
@@ -9,10 +9,10 @@
 
 0.000,0.1,108.2                 the first of several rows with numbers
 
-Each separator is tried on the header and on rows from the beginning, the middle and the end. Of
-those that fit the one with the most columns of numbers is taken. If another one fits a table that
-begins in the same row, the error lists both and shows the entry of a channel map that decides:
-``separator`` of [text]; ``decimal`` decides on the decimal mark.
+Each separator is tried on the header and on rows from the beginning, the middle and the end. Of the
+separators that fit, the one with the most columns of numbers is taken. If two give tables that
+begin in the same row, the error asks for ``separator`` in [text] of a channel map; if the decimal
+mark is ambiguous, for ``decimal``.
 """
 
 import csv
@@ -24,21 +24,21 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
 from calib.base.errors import LogError
-from calib.logs.text.cells import is_unit_row
+from calib.logs.text.cells import EMPTY, is_unit_row
 
 SEPARATORS = {",": "comma", ";": "semicolon", "\t": "tab", "|": "vertical bar"}
-EMPTY = ("", "nan", "NaN", "NAN", "NA", "N/A", "null")  # cells without a value
 
-csv.field_size_limit(sys.maxsize)  # a long cell is no error of its own: it is no number
+csv.field_size_limit(sys.maxsize)  # a cell that is too long is refused later, as it is no number
 
-_POINT, _COMMA = (
-    re.compile(rf"[-+]?(\d++({mark}\d*+)?|{mark}\d++)(e[-+]?\d++)?|[-+]?inf(inity)?", re.IGNORECASE)
-    for mark in (r"\.", ",")
-)
-"""Numbers with a point and with a comma. With the possessive quantifiers (``++``), the time for a
-cell of many digits that is no number grows only with its length."""
-_NUMBER = {".": _POINT, ",": _COMMA}
-_THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}([.,]\d{3})+")  # as 1,234: the mark may be of thousands
+_NUMBER = {
+    mark: re.compile(
+        rf"[-+]?(\d++([{mark}]\d*+)?|[{mark}]\d++)(e[-+]?\d++)?|[-+]?inf(inity)?", re.IGNORECASE
+    )
+    for mark in ".,"
+}
+"""Numbers by decimal mark. With the possessive quantifiers (``++``), the time for a cell of many
+digits that is no number grows only with its length."""
+_THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}([.,]\d{3})+")  # 1,234 may be a number of thousands
 
 
 @dataclass(frozen=True)
@@ -49,13 +49,8 @@ class TextFormat:
     decimal: str | None = None
     encoding: str | None = None
 
-    @property
-    def separators(self) -> list[str]:
-        """Separators to be tried."""
-        return [self.separator] if self.separator else list(SEPARATORS)
 
-
-DETECTED = TextFormat()  # all is detected from the file
+DETECTED = TextFormat()
 
 
 def cells_of(line: str, separator: str) -> list[str]:
@@ -67,42 +62,40 @@ def cells_of(line: str, separator: str) -> list[str]:
     return [cell.strip() for cell in cells]
 
 
-_LINES, _WIDTH = 8, 16384  # most lines and bytes that are read at each place of a sample
+_LINES, _BYTES = 8, 16384  # most lines and bytes that are read at each place of a sample
 
 
 def sample_of(data: bytes, start: int) -> list[str]:
-    """Complete lines from ``start``, the middle and the end; some twice if the file is short."""
-
-    def complete_lines(begin: int) -> list[bytes]:
-        end = begin + _WIDTH
+    """Return lines from ``start``, the middle and the end; some twice if the file is short."""
+    places = []
+    for begin in (start, (start + len(data)) // 2):
+        end = begin + _BYTES
         end = len(data) if end >= len(data) else data.rfind(b"\n", begin, end) + 1
-        return data[begin:end].splitlines()
-
-    head = complete_lines(start)[:_LINES]
-    middle = complete_lines((start + len(data)) // 2)[1 : _LINES + 1]
-    tail = data[max(start, len(data) - _WIDTH) :].rstrip(b"\r\n").splitlines()[-_LINES:]
+        places.append(data[begin:end].splitlines())
+    head, middle = places[0][:_LINES], places[1][1 : _LINES + 1]  # the first may lack its begin
+    tail = data[max(start, len(data) - _BYTES) :].rstrip(b"\r\n").splitlines()[-_LINES:]
     return [line.decode(errors="replace") for line in (*head, *middle, *tail) if line.strip()]
 
 
-def mostly(kind: Callable[[str], bool], column: Sequence[str]) -> bool:
-    """Whether ``kind`` is true of more than half of the cells that are not empty."""
+def mostly(is_kind: Callable[[str], bool], column: Sequence[str]) -> bool:
+    """Whether ``is_kind`` is true of more than half of the cells that are not empty."""
     filled = [cell for cell in column if cell not in EMPTY]
-    return 2 * sum(map(kind, filled)) > len(filled)
+    return 2 * sum(map(is_kind, filled)) > len(filled)
 
 
 def _is_number(cell: str) -> bool:
-    return bool(_POINT.fullmatch(cell) or _COMMA.fullmatch(cell))
+    return any(number.fullmatch(cell) for number in _NUMBER.values())
 
 
 def decimal_of(rows: Sequence[Sequence[str]], separator: str, where: str) -> str:
     """Find the decimal mark in some rows of cells. Raises LogError if it is ambiguous."""
     cells = [cell for row in rows for cell in row]
     numbers = {
-        mark: [cell for cell in cells if mark in cell and _NUMBER[mark].fullmatch(cell)]
-        for mark in ".,"
+        mark: [cell for cell in cells if mark in cell and number.fullmatch(cell)]
+        for mark, number in _NUMBER.items()
     }
     marks = [mark for mark in numbers if numbers[mark]]
-    if not marks:  # whole numbers: a mark elsewhere in the file is an error when it is read
+    if not marks:  # whole numbers; another mark later in the file is an error when it is read
         return "."
     if len(marks) == 1:
         may_be_thousands = all(map(_THOUSANDS.fullmatch, numbers[marks[0]]))
@@ -119,18 +112,18 @@ def decimal_of(rows: Sequence[Sequence[str]], separator: str, where: str) -> str
 
 
 _TOP = 200  # lines in which the header is looked for
-_FIRST_ROWS = 3  # rows with numbers, one below the other, that begin the samples
+_FIRST_ROWS = 3  # number of rows with numbers, one below the other, that begin the samples
 
 
 @dataclass(frozen=True)
 class Layout:
-    """Lines of the header of a table, empty where there is none, and the place of its samples."""
+    """Format of a table: three lines of its header, empty if missing, and place of its samples."""
 
     separator: str
     names: bytes
     units: bytes
     remarks: bytes
-    start: int  # byte of the first sample
+    start: int  # first byte of the first sample
     numbers: list[int]  # indices of the columns of numbers
 
 
@@ -142,23 +135,23 @@ def layout_of(data: bytes, begin: int, text_format: TextFormat, where: str) -> L
     """
     lines, starts = _lines(data, begin)
     sample = sample_of(data, starts[0])
-    separators = [s for s in text_format.separators if any(s in line for line in sample)]
-    possible = [_layout(lines, starts, sample, separator) for separator in separators]
-    layouts = [layout for layout in possible if layout]
-    layouts.sort(key=lambda layout: -len(layout.numbers))
-    fitting = [layout.separator for layout in layouts if layout.start == layouts[0].start]
-    if len(fitting) == 1:
-        return layouts[0]
+    separators = [text_format.separator] if text_format.separator else list(SEPARATORS)
+    used = [s for s in separators if any(s in line for line in sample)]
+    fitting = [layout for s in used if (layout := _layout(lines, starts, sample, s))]
     if fitting:
-        names = " or ".join(f"{SEPARATORS[s]} ({s!r})" for s in fitting)
+        best = max(fitting, key=lambda layout: len(layout.numbers))
+        rivals = [best, *(x for x in fitting if x is not best and x.start == best.start)]
+        if len(rivals) == 1:
+            return best
+        names = [f"{SEPARATORS[x.separator]} ({x.separator!r})" for x in rivals]
         raise LogError(
-            f"the columns may be separated by {names}",
+            f"the columns may be separated by {' or '.join(names)}",
             where=where,
             expected="one separator that fits",
-            do=f'give it in a channel map (--map): [text] with separator = "{fitting[0]}"',
+            do=f'give it in a channel map (--map): [text] with separator = "{best.separator}"',
         )
     below_names = [line.decode("latin-1") for line in lines if line.strip()][1:]
-    splits = [cells_of(line, s) for line in below_names[:1] for s in text_format.separators]
+    splits = [cells_of(line, s) for line in below_names[:1] for s in separators]
     if not below_names or (len(below_names) == 1 and any(map(is_unit_row, splits))):
         raise LogError("a header and no samples", where=where, expected="at least 50 rows")
     raise LogError(
@@ -170,7 +163,7 @@ def layout_of(data: bytes, begin: int, text_format: TextFormat, where: str) -> L
 
 
 def _lines(data: bytes, start: int) -> tuple[list[bytes], list[int]]:
-    """Return the first k lines from byte ``start``, without blank ones on top, and k + 1 places.
+    """Return k lines from byte ``start``, without blank lines at the top, and k + 1 places.
 
     The places are the first byte of each line, and the byte after the last line.
     """
@@ -180,13 +173,13 @@ def _lines(data: bytes, start: int) -> tuple[list[bytes], list[int]]:
     for line_with_end in stream:
         start += len(line_with_end)
         line = line_with_end.rstrip(b"\r\n")
-        if lines and lines[-1].count(b'"') % 2 == 1:  # a cell in quotes with a line break
+        if lines and lines[-1].count(b'"') % 2 == 1:  # a line break within a cell in quotes
             lines[-1] += b" " + line
             starts[-1] = start
         elif lines or line.strip():
             lines.append(line)
             starts.append(start)
-        else:  # a blank line at the top
+        else:  # leave out a blank line at the top
             starts[0] = start
         if len(lines) == _TOP:
             break
@@ -198,17 +191,17 @@ def _layout(
 ) -> Layout | None:
     """Return the layout with this separator, or None if it does not fit.
 
-    It fits if the rows of the sample have two columns of numbers, with a header above them.
+    A separator fits if the rows of the sample have two columns of numbers, with a header above.
     """
     rows = [row for line in sample if (row := cells_of(line, separator))]
-    count = Counter(map(len, rows))  # rows by number of cells
+    count = Counter(map(len, rows))  # number of rows by their number of cells
     width = max(count, key=lambda cells: count[cells], default=0)
     columns = list(zip(*(row for row in rows if len(row) == width), strict=True))
     numbers = [i for i, column in enumerate(columns) if mostly(_is_number, column)]
     if len(numbers) < 2:
         return None
     table = list[list[str]]()
-    samples = list[int]()  # indices of the rows with numbers that were read last
+    samples = list[int]()  # indices of the rows with numbers at the end of ``table``
     for index, line in enumerate(lines):
         row = cells_of(line.decode("latin-1"), separator) if line.strip() else []
         table.append(row)
@@ -218,19 +211,18 @@ def _layout(
             break
     first = samples[0] if samples else len(table)
     # if each row ends with a separator, the last column is empty, and the header may lack it
-    ends_with_separator = sum(map(bool, columns[-1])) <= 1  # the sample may hold the header
+    ends_with_separator = sum(map(bool, columns[-1])) <= 1  # one cell: that of the header
     header = _header(table, first, (width, width - 1) if ends_with_separator else (width,))
     if not header:
         return None
-    units = max((i for i in header[1:] if is_unit_row(table[i])), default=None)
-    names = header[0] if units is None else header[header.index(units) - 1]
-    last = names if units is None else units
-    remarks = next((i for i in header if i > last), None)
-    names_line, units_line, remarks_line = (
-        b"" if i is None else lines[i] + separator.encode() * (width - len(table[i]))
-        for i in (names, units, remarks)
-    )
-    return Layout(separator, names_line, units_line, remarks_line, starts[first], numbers)
+    # the row above the last row of units has the names, the row below it the remarks
+    unit_rows = [i for i in header[1:] if is_unit_row(table[i])]
+    top = header.index(unit_rows[-1]) - 1 if unit_rows else 0
+    names, *others = (lines[i] + separator.encode() * (width - len(table[i])) for i in header[top:])
+    if not unit_rows:
+        others.insert(0, b"")
+    units, remarks = [*others, b"", b""][:2]
+    return Layout(separator, names, units, remarks, starts[first], numbers)
 
 
 def _is_sample(row: Sequence[str], width: int, numbers: Sequence[int]) -> bool:
@@ -242,15 +234,15 @@ def _is_sample(row: Sequence[str], width: int, numbers: Sequence[int]) -> bool:
 def _header(table: Sequence[Sequence[str]], first: int, widths: Collection[int]) -> list[int]:
     """Indices of the lines of the header above the ``first`` row of samples.
 
-    The header ends, upwards, at a line of another width. Blank lines below the header and above its
-    row of units are passed over.
+    Going up, the header begins below the first line of another width. Blank lines may stand below
+    the header and above its row of units.
     """
     header: list[int] = []
     for index in range(first - 1, -1, -1):
         row = table[index]
-        if not row and (not header or is_unit_row(table[header[0]])):
-            continue
-        if len(row) not in widths:
-            break
-        header.insert(0, index)
+        may_be_blank = not header or is_unit_row(table[header[0]])
+        if row or not may_be_blank:
+            if len(row) not in widths:
+                break
+            header.insert(0, index)
     return header

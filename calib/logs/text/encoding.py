@@ -23,13 +23,8 @@ def gunzip(data: bytes, where: str) -> bytes:
     except (OSError, zlib.error) as cause:
         raise damaged(where, f"the gzip file is damaged: {cause}") from cause
     if len(content) > LOG.max_bytes:
-        raise too_large(where)
+        raise LogError(LOG.too_large("it unpacks to"), where=where)
     return content
-
-
-def too_large(where: str) -> LogError:
-    """Return the error for a log that unpacks to more than a log may have."""
-    return LogError(LOG.too_large("it unpacks to"), where=where)
 
 
 _MARKS = {
@@ -37,14 +32,14 @@ _MARKS = {
     codecs.BOM_UTF16_LE: "utf-16-le",
     codecs.BOM_UTF16_BE: "utf-16-be",
 }
-_HEAD = 4096  # bytes at the begin that must be text; a header is shorter
+_HEAD = 4096  # number of first bytes that must be text; a header is shorter
 
 
 def to_utf8(data: bytes, where: str, encoding: str | None = None) -> bytes:
-    """Convert text to UTF-8 without a byte order mark. Raises LogError for what is no text.
+    """Convert text to UTF-8 without a byte order mark. Raises LogError for bytes that are no text.
 
-    Without an ``encoding`` or a mark the bytes stay as they are: UTF-8 or an encoding of 8 bits, in
-    which numbers are the same; `text_of` reads the header.
+    Text with neither mark nor ``encoding`` is not converted: it is UTF-8, or has an encoding of 8
+    bits, in which numbers are the same. `text_of` decodes its header.
     """
     for mark, name in _MARKS.items():
         if data.startswith(mark):
@@ -64,7 +59,7 @@ def to_utf8(data: bytes, where: str, encoding: str | None = None) -> bytes:
 
 
 def text_of(data: bytes) -> tuple[str, str | None]:
-    """Decode UTF-8; or else, with a note, Windows-1252, which has all letters of ISO 8859-1."""
+    """Decode UTF-8, or else Windows-1252, which has all letters of ISO 8859-1, with a note."""
     try:
         return data.decode("utf-8"), None
     except UnicodeDecodeError:

@@ -1,13 +1,13 @@
 """Read Racelogic VBO: text in sections with satellite speed and channels of the car's bus.
 
 [header]           one name in each line; standard names may have a unit: ``velocity kmh``
-[channel units]    one line for each name that is not standard; it may be empty. Fewer lines are
-                   those of the last names, the channels of input modules
+[channel units]    one line, perhaps empty, for each name that is not standard; if there are fewer
+                   lines, they belong to the last names, the channels of input modules
 [column names]     one word for each column, in the order of [header]
 [data]             samples, separated by blanks; time is HHMMSS.ss
 
-The speed ``velocity`` over ground is the reference speed ``v``, unless the file has a channel of
-that name. Positions and the number of satellites are not converted.
+The speed ``velocity`` over ground is the reference speed ``v``, unless a channel has the name
+``v``. Positions and the number of satellites are not converted.
 """
 
 import re
@@ -24,18 +24,19 @@ from calib.logs.text.csv import TextRows
 from calib.logs.text.dialect import DETECTED, TextFormat
 from calib.logs.text.encoding import text_of, to_utf8
 
-_STANDARD = (  # names that have no line in [channel units]
-    *("satellites", "time", "latitude", "longitude", "velocity", "heading", "height"),
-    *("vertical velocity", "event", "trigger event time", "event 1 time"),
-    *("longitudinal acceleration", "lateral acceleration", "long accel", "lat accel"),
-    *("glonass satellites", "gps satellites", "solution type", "distance", "sampleperiod"),
-)
+_STANDARD = (
+    "satellites", "time", "latitude", "longitude", "velocity", "heading", "height",
+    "vertical velocity", "event", "trigger event time", "event 1 time",
+    "longitudinal acceleration", "lateral acceleration", "long accel", "lat accel",
+    "glonass satellites", "gps satellites", "solution type", "distance", "sampleperiod",
+)  # fmt: skip
+"""Names that have no line in [channel units]."""
 
 _DATA = re.compile(rb"^\[\s*data\s*\][^\r\n]*\r?$", re.MULTILINE | re.IGNORECASE)
 
 
 def open_vbo(data: bytes, where: str, text_format: TextFormat = DETECTED) -> ColumnSource:
-    """Open a VBO file; ``text_format`` may give its encoding. Raises LogError as `open_csv`."""
+    """Open a VBO file; of ``text_format`` the encoding is used. Raises LogError as `open_csv`."""
     if not data or data.isspace():
         raise LogError("the file is empty", where=where, expected="a VBO file")
     data = to_utf8(data, where, text_format.encoding)
@@ -62,7 +63,7 @@ def open_vbo(data: bytes, where: str, text_format: TextFormat = DETECTED) -> Col
 
 
 def _sections(data: bytes, where: str) -> tuple[dict[str, list[str]], bytes, list[str]]:
-    """Return the lines of each section by name, the bytes of [data], a note on the encoding."""
+    """Return the lines of each section by name, the bytes of [data], and a note on the encoding."""
     begin = _DATA.search(data)
     if begin is None:
         raise LogError(
@@ -111,9 +112,10 @@ def _columns(sections: dict[str, list[str]], where: str) -> tuple[tuple[Column, 
 def _units(lines: list[str], names: Sequence[str]) -> tuple[dict[int, str], list[str]]:
     """Return the units by index of the name, from the lines of [channel units], and a note.
 
-    The lines may be those of all names that are not standard, of those of them that have no unit in
-    the name, or of the last of them. The first choice that contradicts no unit in a name is taken;
-    the note names the last choice, or says that none fits.
+    A channel is a name that is not standard. The lines may belong to all channels, to those without
+    a unit in the name, or to the last channels. The first of these choices is taken whose units
+    agree with those in the names. A note says that the lines were taken for the last channels, or
+    that no choice fits.
     """
     standard = tuple(f"{name} " for name in _STANDARD)  # a unit may follow the blank
     channels = [i for i, name in enumerate(names) if not f"{name.lower()} ".startswith(standard)]
@@ -147,7 +149,7 @@ def _unit_in_name(name: str) -> str | None:
 
 
 def _seconds(written: Array, where: str) -> Array:
-    """Convert times of day HHMMSS.ss (n,) to seconds since the midnight before the first."""
+    """Convert times of day HHMMSS.ss (n,) to seconds since midnight before the first row."""
     # the sum is rounded to microseconds, since 120000.05 has no exact binary value
     hours, minutes_seconds = np.divmod(written, 10000.0)
     minutes, seconds = np.divmod(minutes_seconds, 100.0)

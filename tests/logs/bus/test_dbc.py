@@ -74,7 +74,7 @@ def test_nested_multiplexers_are_those_of_cantools(tmp_path, rows, name):
 def test_names_of_values_and_short_frames(tmp_path, rows):
     """Named throughout it is a state; one value named as none is none; cut off is not there."""
     dbc = known(tmp_path, MUX)
-    states = [name for name in ("Gear", "Speed", "Deep") if decoded(dbc, name, rows).state]
+    states = [name for name in ("Gear", "Speed", "Deep") if decoded(dbc, name, rows).is_state]
     assert states == ["Gear"]
     found = decoded(dbc, "Speed", [b"\0\0\0\0\xfe\0\0\0", b"\xff" * 8, bytes(4), bytes(5)])
     np.testing.assert_array_equal(found.time, [0.0, 1.0, 3.0])
