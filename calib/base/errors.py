@@ -1,7 +1,7 @@
 """The errors that the command line reports, with their exit codes, as one tree of classes.
 
-The command line catches only the root. A message says what was wrong, which value was given, what
-was expected and where to look. Several errors of one file are one message of several lines.
+The command line catches only the root, `BrakeCalError`. Several mistakes in one file are one error,
+whose message has a line for each mistake.
 """
 
 import re
@@ -46,7 +46,7 @@ class BrakeCalError(Exception):
         do: str = "",
         lines: tuple[str, ...] = (),
     ):
-        """Build the message: one line, then ``lines``, one for each mistake of several.
+        """Build the message: one line, then the ``lines`` of several mistakes, if any.
 
         ``problem`` says what was wrong and which value was given. ``where`` is the file, channel or
         key. ``expected`` is what would have been right. ``do`` is the next step for the user.
@@ -189,7 +189,7 @@ class AnswerError(BrakeCalError):
 
 
 def not_finite(quantity: str, where: object) -> NotFiniteError:
-    """Return the error for a computed ``quantity`` that is not finite."""
+    """Return the error for a computed ``quantity`` that is infinite or no number."""
     flaw = f"{quantity} comes out as no finite number, so nothing is concluded from it"
     do = "look at each log with `brake-cal check` and at the file with `brake-cal vehicle check`"
     return NotFiniteError(flaw, where=where, expected="logs and a vehicle file of one car", do=do)

@@ -1,9 +1,9 @@
 """The program's name, the axles and wheels, and the channels of a log with unit and sign.
 
 Inside the program every quantity is in SI; bar, km/h, rpm and cm^2 occur only in input and output.
-Forces, torques and slips are positive when they brake, but for ``T_drive``, whose torques are
-negative when they slow the car. ``a_x`` has the sign of ISO 8855: forward is
-positive, so ``a_x`` is negative while braking, and the deceleration ``z = -a_x/g`` is positive.
+Forces, torques and slips are positive when they brake. Only the drive torques ``T_drive_f`` and
+``T_drive_r`` are negative when they slow the car. ``a_x`` is positive forward (ISO 8855), so it is
+negative while the car brakes, and the deceleration ``z = -a_x/g`` is positive.
 """
 
 import re
@@ -13,7 +13,6 @@ from typing import NamedTuple
 NAME = "brake-cal"
 VERSION = "0.1.0"
 PROGRAM = f"{NAME} {VERSION}"
-
 SETTINGS_FILE = "brake-cal.toml"
 SETTINGS_VARIABLE = "BRAKE_CAL_SETTINGS"  # path of a settings file; if empty, no file is read
 PUBLIC_KEY = re.compile(r"RW[A-Za-z0-9+/]{54}")  # a key of minisign, the second line of its file
@@ -28,7 +27,7 @@ WHEEL_SPEEDS = tuple(f"omega_{w}" for w in WHEELS)
 WHEEL_PRESSURES = tuple(f"p_{w}" for w in WHEELS)
 
 
-class _Quantity(NamedTuple):
+class _Channel(NamedTuple):
     """A channel: its ``unit`` in a log file, its ``si`` unit inside the program."""
 
     name: str
@@ -37,20 +36,20 @@ class _Quantity(NamedTuple):
     required: bool = False  # whether every log must have the channel
 
 
-_QUANTITIES = (
-    _Quantity("time", "s", "s", required=True),  # t, increasing
-    _Quantity("p_mc", "bar", "Pa", required=True),  # P_mc, of the master cylinder
-    _Quantity("a_x", "m/s^2", "m/s^2", required=True),  # at the c.g., forward positive
-    *(_Quantity(name, "rad/s", "rad/s", required=True) for name in WHEEL_SPEEDS),
-    _Quantity("v", "m/s", "m/s"),  # V, over ground
-    *(_Quantity(name, "bar", "Pa") for name in WHEEL_PRESSURES),  # P, at the wheel
-    *(_Quantity(f"T_disc_{axle}", "degC", "degC") for axle in AXLES),
-    _Quantity("steering", "deg", "rad"),  # delta, of the steering wheel, left positive
+_CHANNELS = (
+    _Channel("time", "s", "s", required=True),  # t, increasing
+    _Channel("p_mc", "bar", "Pa", required=True),  # P_mc, of the master cylinder
+    _Channel("a_x", "m/s^2", "m/s^2", required=True),  # at the c.g., forward positive
+    *(_Channel(name, "rad/s", "rad/s", required=True) for name in WHEEL_SPEEDS),
+    _Channel("v", "m/s", "m/s"),  # V, over ground
+    *(_Channel(name, "bar", "Pa") for name in WHEEL_PRESSURES),  # P, at the wheel
+    *(_Channel(f"T_disc_{axle}", "degC", "degC") for axle in AXLES),
+    _Channel("steering", "deg", "rad"),  # delta, of the steering wheel, left positive
     # T_d, of engine or motor at both wheels of an axle together, negative where it slows
-    *(_Quantity(f"T_drive_{axle}", "N*m", "N*m") for axle in AXLES),
-    _Quantity("abs_active", "1", "1"),  # 1 while ABS or ESC act, else 0
+    *(_Channel(f"T_drive_{axle}", "N*m", "N*m") for axle in AXLES),
+    _Channel("abs_active", "1", "1"),  # 1 while ABS or ESC act, else 0
 )
-CHANNELS = {quantity.name: quantity for quantity in _QUANTITIES}
+CHANNELS = {channel.name: channel for channel in _CHANNELS}
 """The canonical channels, in the order in which a log is written."""
 
 FLAGS = ("abs_active",)  # channels that are 0 or 1, with no value between
@@ -62,7 +61,7 @@ TRUTH_UNITS = {"true_Tb": "N*m", "true_Fx": "N", "true_Fz": "N", "true_mu_pad": 
 _TABLE_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}")
 _STORE_FILES = ("journal.jsonl", "journal.head")  # in a store, beside the folders of its tables
 _WINDOWS_DEVICE = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?", re.IGNORECASE)
-TABLE_NAMES = (
+TABLE_NAME_RULE = (
     "letters, digits and . _ - only, at most 100, a letter or digit first, no dot last, no two "
     "dots together, no file of the store, and no device of Windows (CON, NUL, COM1)"
 )

@@ -1,8 +1,7 @@
 """Numbers and names as people read them, CSV files of a package, and the list of all metrics.
 
-A metric is a number that judges a table or a stop. `metrics.csv` has a row for each, by its key in
-JSON files and limits files: name and unit for people, meaning, limits with their reason, and the
-next step where a value is outside the limits.
+A metric is a number that judges a table or a stop. `metrics.csv` has a row for each metric. The
+key of the row is the name of the metric in JSON files and limits files.
 """
 
 import csv
@@ -60,7 +59,7 @@ def without_exponent(value: float) -> str:
 
 
 def range_words(low: str, high: str) -> str:
-    """A range between two written numbers; an empty text is no bound.
+    """A range in words; its bounds are written numbers, or "" where there is no bound.
 
     >>> range_words("1", "2"), range_words("1", ""), range_words("", "2"), range_words("", "")
     ('1 to 2', 'at least 1', 'at most 2', 'none')
@@ -112,13 +111,10 @@ class Metric:
     factor: float = 1.0  # converts from SI to `unit`
     step: float = 0.0  # smallest relevant difference [SI], which gives the displayed decimals
     scope: str = ""  # "car" where the station judges the metric, "stop" where a validation does
-    cut: float | None = None  # this value stands for all larger values [SI]
+    cut: float = math.inf  # this value stands for all larger values [SI]
     judged: int = 0  # place in the station's order; 0 if the station does not judge the metric
-    low: float | None = None  # limits of the station as in `MetricLimits`
-    high: float | None = None
-    warn_low: float | None = None
-    warn_high: float | None = None
-    stop: MetricLimits = _NO_LIMITS  # limits of `validate`, and of the station for stops
+    car: MetricLimits = _NO_LIMITS  # limits of the station for a car [SI]
+    stop: MetricLimits = _NO_LIMITS  # limits of `validate`, and of the station for stops [SI]
     required: bool = False  # whether an unknown value fails
     meaning: str = ""
     reason: str = ""  # why these limits
@@ -130,7 +126,7 @@ class Metric:
         return f"{self.name} [{self.unit}]" if self.unit else self.name
 
     def value(self, value: float | None) -> str:
-        """A value as a number of the displayed unit; four digits where `step` is 0.
+        """A value [SI] as a number of the displayed unit; four digits where `step` is 0.
 
         >>> Metric("Valid samples", "%", 100.0, 0.002).value(0.9516)
         '95.2'
@@ -146,10 +142,10 @@ class Metric:
     def with_unit(self, value: float | None) -> str:
         """A value with its unit, `95.2 %`, without a line break between them."""
         text = self.value(value)
-        if self.unit and text != "not known":
-            text += f"{NBSP}{self.unit}"
-        is_cut = value is not None and value == self.cut
-        return f"{text} or more" if is_cut else text
+        if text == "not known":
+            return text
+        unit = f"{NBSP}{self.unit}" if self.unit else ""
+        return f"{text}{unit} or more" if value == self.cut else text + unit
 
     def bounds(self, low: float | None, high: float | None) -> str:
         r"""A range with the displayed unit, not rounded to `step`.
@@ -162,19 +158,14 @@ class Metric:
         return range_words(*ends) + unit
 
 
-_TEXT_COLUMNS = ("scope", "name", "unit", "meaning", "reason", "action")
-_OTHER_COLUMNS = ("key", "judged", "required")  # all columns but these and the texts are numbers
-
-
 def _read(row: dict[str, str]) -> Metric:
-    cells: dict[str, Any] = {
-        name: cell if name in _TEXT_COLUMNS else float(cell)
-        for name, cell in row.items()
-        if cell and name not in _OTHER_COLUMNS
-    }
-    stop = MetricLimits(**{end: cells.pop(f"stop_{end}", None) for end in MetricLimits._fields})
-    judged, required = int(row["judged"] or 0), row["required"] == "yes"
-    return Metric(**cells, stop=stop, judged=judged, required=required)
+    texts = ("scope", "name", "unit", "meaning", "reason", "action")
+    cells: dict[str, Any] = {column: row[column] for column in texts}
+    cells |= {column: float(row[column]) for column in ("factor", "step", "cut") if row[column]}
+    for field, prefix in (("car", ""), ("stop", "stop_")):
+        ends = [row[prefix + end] for end in MetricLimits._fields]
+        cells[field] = MetricLimits(*(float(end) if end else None for end in ends))
+    return Metric(**cells, judged=int(row["judged"] or 0), required=row["required"] == "yes")
 
 
 METRICS: dict[str, Metric] = {row["key"]: _read(row) for row in rows("metrics.csv")}
@@ -187,10 +178,12 @@ def meanings(scope: str) -> dict[str, str]:
 
 
 def limit_of(key: str, end: str) -> float:
-    """A limit of a metric, by the name of its column, such as "warn_high"."""
-    return float(getattr(METRICS[key], end))
+    """The limit of a car for a metric, by its name in `MetricLimits`, such as "warn_high"."""
+    return float(getattr(METRICS[key].car, end))
 
 
 def metric_of(key: str, unit: str = "1") -> Metric:
     """The metric of a key; for an unknown key, a metric with the key as its name and ``unit``."""
-    return METRICS.get(key) or Metric(key, "" if unit == "1" else unit)
+    if key in METRICS:
+        return METRICS[key]
+    return Metric(key, "" if unit == "1" else unit)

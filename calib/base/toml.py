@@ -1,4 +1,4 @@
-"""Reading TOML files, quantities with units in them, and suggestions for misspelt words."""
+"""Read TOML files and the quantities with units in them, and suggest words for misspelt ones."""
 
 import difflib
 import math
@@ -18,7 +18,7 @@ NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _QUANTITY = re.compile(rf"({NUMBER})\s*+(.*)", re.DOTALL)  # number and unit
 _MAX_CHARACTERS = 60  # of a wrong value in a message, and of a word that is compared
 _MAX_PARTS = 100  # of a dotted key; tomllib takes seconds and gigabytes for thousands of parts
-
+# a bare or quoted part of a dotted key, and the dot behind it
 _KEY_PART_WITH_DOT = r"""(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+"""
 _LONG_KEY = re.compile(rf"(?<![\w-])(?:{_KEY_PART_WITH_DOT}){{{_MAX_PARTS}}}")
 
@@ -75,7 +75,7 @@ def quantity(value: object, si: str | None, where: object, error: type[InputErro
     usual = _USUAL_UNITS.get(si or "1", si)
     written = value if isinstance(value, str) else repr(value)
     match = _QUANTITY.fullmatch(written.strip())
-    if match is None or match[2].startswith(","):  # a decimal comma
+    if match is None or match[2].startswith(","):  # "1600,5 kg" has a decimal comma
         expected = f'a quantity such as "1.5 {usual}"' if needs_unit else "a number"
         raise error(f"{shortened(value)} is not a quantity", where=where, expected=expected)
     number, unit = float(match[1]), match[2]

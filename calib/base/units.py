@@ -21,7 +21,7 @@ class UnknownUnit(ValueError):
 class Unit(NamedTuple):
     """A unit: SI value = written value * ``scale`` / ``per`` + ``offset``.
 
-    A factor below 1 is a ``per``, since 28.84 / 1e4 is rounded less than 28.84 * 1e-4.
+    For a factor below 1, ``per`` is its inverse: 28.84 / 1e4 is rounded less than 28.84 * 1e-4.
     """
 
     scale: float = 1.0
@@ -31,14 +31,14 @@ class Unit(NamedTuple):
 
 BAR = 1e5  # [Pa]
 
-_ROWS = rows("units.csv")
 QUANTITIES: dict[str, tuple[str, dict[str, Unit]]] = {}
-"""The name of each quantity and its units by name; the keys are SI units."""
-for _row in _ROWS:
+"""By SI unit: the name of the quantity, and the conversions of its units by their names."""
+_SPELLINGS: dict[str, str] = {}  # the name of a unit by its other spellings
+for _row in rows("units.csv"):
     _numbers = {name: float(_row[name]) for name in ("scale", "per", "offset") if _row[name]}
     _, _units = QUANTITIES.setdefault(_row["si"], (_row["quantity"], {}))
     _units[_row["unit"]] = Unit(**_numbers)
-_SPELLINGS = {spelt: row["unit"] for row in _ROWS for spelt in row["spellings"].split()}
+    _SPELLINGS |= dict.fromkeys(_row["spellings"].split(), _row["unit"])
 
 _SIGNS = str.maketrans({"²": "^2", "·": "*", "⋅": "*", "×": "*", " ": None})
 
@@ -59,10 +59,11 @@ def unit_of(unit: str, si: str) -> Unit:
     spelt = spelling(unit)
     if spelt in units:
         return units[spelt]
-    others = [name for name, its_units in QUANTITIES.values() if spelt in its_units]
     message = f"unknown unit {unit!r} for {quantity}"
-    if others:
-        message = f"unit {unit!r} is a unit of {others[0]}, not of {quantity}"
+    for other_quantity, other_units in QUANTITIES.values():
+        if spelt in other_units:
+            message = f"unit {unit!r} is a unit of {other_quantity}, not of {quantity}"
+            break
     raise UnknownUnit(f"{message}; known: {', '.join(units)}")
 
 

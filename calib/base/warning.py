@@ -2,10 +2,11 @@
 
     run --figure--> Measured --rules of its code, for a purpose--> PlausibilityWarning
 
-A figure is a function that measures properties of a run, each by its code, such as `a_x_scale`. A
-row of `rules.csv` is a rule: it says in which range the value of a code must lie, and whether a
-value outside refuses the run, makes its result void, or gives a warning. A code may have further
-rows, for other purposes or consequences, where an empty cell stands for the cell of the first row.
+A figure is a function that measures properties of a run. Each property has a code, such as
+`a_x_scale`. A row of `rules.csv` is a rule: it says in which range the value of a code must lie,
+and whether a value outside refuses the run, makes its result void, or gives a warning. A code may
+have several rows, for other purposes or consequences. In the later rows of a code, an empty cell
+stands for that of the first row.
 """
 
 import json
@@ -54,9 +55,8 @@ def _read(row: dict[str, str], first: dict[str, str]) -> _Rule:
     return _Rule(**cells)
 
 
-_ROWS = rows("rules.csv")
-_FIRST_ROWS = {row["code"]: row for row in reversed(_ROWS)}  # of a code, the first row is set last
-RULES = tuple(_read(row, _FIRST_ROWS[row["code"]]) for row in _ROWS)
+_FIRST_ROWS: dict[str, dict[str, str]] = {}  # the first row of each code
+RULES = tuple(_read(row, _FIRST_ROWS.setdefault(row["code"], row)) for row in rows("rules.csv"))
 """All rules, in the order of the file."""
 
 _BY_CODE: dict[str, list[_Rule]] = {}
@@ -94,8 +94,8 @@ class PlausibilityWarning:
     def text(self) -> str:
         """The warning without the log, and with the most likely cause alone."""
         text = f"{self.title} ({self.code})"
-        is_yes_or_no = UNITS.get(self.code) == "1" and self.expected == (0.0, 0.0)
-        if not is_yes_or_no:
+        measures_nothing = UNITS.get(self.code) == "1" and self.expected == (0.0, 0.0)
+        if not measures_nothing:
             text += f" is {self.amount}, expected {self.bounds}"
         if self.causes:
             text += f"; likely {self.causes[0]}"
@@ -103,7 +103,7 @@ class PlausibilityWarning:
 
     @property
     def title(self) -> str:
-        """Words for the measured quantity, of its rule if that has a title, else of its metric."""
+        """Words for the measured quantity, from the rule or the metric of the code."""
         title = _BY_CODE[self.code][0].title if self.code in _BY_CODE else ""
         return title or metric_of(self.code).name
 
@@ -126,13 +126,13 @@ class Measured:
     code: str
     value: float  # in the unit in which `rules.csv` gives the range
     sigma: float = 0.0
-    to_display: Callable[[float], float] = float  # converts to the unit of the warning; increases
+    to_display: Callable[[float], float] = float  # increasing function to the unit of the warning
     words: Mapping[str, object] = field(default_factory=dict)
-    """For the placeholders in the causes and the remedy of the rule, such as {channel}."""
+    """Texts for the placeholders in the causes and the remedy of the rule, such as {channel}."""
 
 
 def relative(code: str, value: float, usual: float) -> Measured:
-    """Return a value that is judged by its change relative to ``usual`` [1], and shown as it is."""
+    """Return a value that is judged by value/usual - 1 [1], and shown in its own unit."""
     return Measured(code, value / usual - 1.0, to_display=lambda change: (1.0 + change) * usual)
 
 
@@ -144,21 +144,22 @@ def rule_warnings(
 ) -> tuple[PlausibilityWarning, ...]:
     """Return a warning for each value that breaks a rule.
 
-    Only rules of the ``purpose`` (None: of any) with one of the ``consequences`` count. Of several
-    broken rules of a code, the first one counts: it is the gravest.
+    Only rules of the ``purpose`` (None: of any) with one of the ``consequences`` are applied. Of
+    several broken rules of a code, the first and gravest one gives the warning.
     """
     warnings = []
     for measured in values:
         for rule in _BY_CODE[measured.code]:
-            counts = rule.consequence in consequences and purpose in (None, *rule.purposes)
+            applies = rule.consequence in consequences and purpose in (None, *rule.purposes)
             low, high = _range(rule, measured.sigma)
-            if counts and (measured.value < low or measured.value > high):
+            if applies and (measured.value < low or measured.value > high):
                 warnings.append(_warning(rule, log, measured, low, high))
                 break
     return tuple(warnings)
 
 
 def _range(rule: _Rule, sigma: float) -> tuple[float, float]:
+    """The range of a rule, widened to ``rule.sigmas`` standard deviations about zero."""
     margin = rule.sigmas * sigma
     if margin == 0.0:
         return rule.low, rule.high
@@ -172,9 +173,10 @@ def _warning(
     causes = rule.causes
     if measured.value < low and rule.causes_below:
         causes = rule.causes_below
-    filled = "|".join(causes).format(**measured.words)  # a word may be several causes, or none
+    # the text of a placeholder may hold several causes between "|", or none
+    filled = texts_of("|".join(causes).format(**measured.words))
     do, value = rule.do.format(**measured.words), measured.to_display(measured.value)
-    return PlausibilityWarning(rule.code, log, value, (lower, upper), texts_of(filled), do)
+    return PlausibilityWarning(rule.code, log, value, (lower, upper), filled, do)
 
 
 def unexplained(
@@ -183,7 +185,8 @@ def unexplained(
     """Return the warnings that follow from no other warning, in the order of the rules.
 
     For example, locked wheels that follow from a wrong unit are left out. ``others`` are warnings
-    that may explain some, but are not returned.
+    from which some may follow, but which are not returned. Warnings follow from a code only where
+    its first rule is broken. A code from which some follow is shown in the unit of its rule.
     """
     candidates, explained = tuple(warnings), set[str]()
     for warning in (*candidates, *others):

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 from pydantic import AfterValidator, Field, model_validator
 
 from calib.base.errors import VehicleError
-from calib.base.names import TABLE_NAMES, names_a_table
+from calib.base.names import TABLE_NAME_RULE, names_a_table
 from calib.base.record import FileSchema, QuantityMark, Section, read_toml, section
 from calib.base.record_errors import wrong
 from calib.base.units import si_of
@@ -17,7 +17,7 @@ from calib.car.vehicle import Axle, Vehicle
 
 def _require_table_name(name: str) -> str:
     if not names_a_table(name):  # the name of a vehicle is that of its tables
-        raise wrong(f"{name!r} cannot name a table", TABLE_NAMES)
+        raise wrong(f"{name!r} cannot name a table", TABLE_NAME_RULE)
     return name
 
 

@@ -55,12 +55,12 @@ def _range(low: float, high: float) -> str:
 def _metric(code: str) -> list[Row]:
     if (metric := METRICS.get(code)) is None:
         return []
-    stop = metric.stop
+    car, stop = metric.car, metric.stop
     rows = (
         ("metric", metric.heading),
         ("means", metric.meaning),
-        ("fails a car unless", metric.bounds(metric.low, metric.high)),
-        ("warns of a car unless", metric.bounds(metric.warn_low, metric.warn_high)),
+        ("fails a car unless", metric.bounds(car.low, car.high)),
+        ("warns of a car unless", metric.bounds(car.warn_low, car.warn_high)),
         ("fails a stop unless", metric.bounds(stop.low, stop.high)),
         ("warns of a stop unless", metric.bounds(stop.warn_low, stop.warn_high)),
         ("reason", metric.reason),

@@ -12,7 +12,7 @@ import re
 from pathlib import Path
 
 from calib.base.errors import StoreError, TableNotFound
-from calib.base.names import TABLE_NAMES, names_a_table
+from calib.base.names import TABLE_NAME_RULE, names_a_table
 
 RECORD, SIGNATURE_SUFFIX, NEW_PREFIX = "record.json", ".minisig", ".new-"
 _FOLDER = re.compile(r"v(\d{4,6})")
@@ -22,7 +22,7 @@ def checked_name(name: str) -> str:
     """Return ``name`` if a table may have it as its name. Raises StoreError."""
     if not names_a_table(name):
         do = "a table has the name of its vehicle: change name in the vehicle file"
-        raise StoreError(f"{name!r} cannot name a table", expected=TABLE_NAMES, do=do)
+        raise StoreError(f"{name!r} cannot name a table", expected=TABLE_NAME_RULE, do=do)
     return name
 
 

@@ -1,8 +1,8 @@
 """Unknowns of every diagnosis: base parameters that all logs share, and random effects of a log.
 
-Base parameters are pads, tyres, radius and clock of the car, rows of `base.csv`. Each has the value
-middle exp(x) or middle + scale x; x is normal about zero, and has the bounds and the standard
-deviation of the row.
+Base parameters describe pads, tyres, radius and clock of the car: the rows of `base.csv`. The value
+of each is middle exp(x) or middle + scale x. Its x is normal about zero; the row has the standard
+deviation and the bounds of x.
 
 Random effects are states in which the logs of a car differ: pads, tyres on the road of the log, a
 slope, a zero of a_x, heat of the discs. Each is normal about zero and belongs to a group. Its
@@ -34,23 +34,23 @@ PADS = [BASE_NAMES.index(name) for name in ("pad_friction_f", "pad_friction_r")]
 LOW, HIGH, _SIGMA, _MIDDLE = (
     np.array([float(row[key]) for row in _ROWS]) for key in ("low", "high", "sigma", "middle")
 )
-"""Least and largest x (11,) of the base parameters, and their priors."""
+"""By base parameter (11,): bounds and standard deviation of x, and middle of the value."""
 _LOGARITHM = np.array([row["scale"] == "log" for row in _ROWS])
 _SCALE = np.array([1.0 if row["scale"] == "log" else float(row["scale"]) for row in _ROWS])
 
 DISCREPANCY_FORCES = np.linspace(0.05, 1.0, 8)  # normalised forces of the discrepancy's values [1]
 _DISCREPANCY = 0.06  # standard deviation of the discrepancy [1]
 DISCREPANCY_LIMIT = 5.0 * _DISCREPANCY
-"""Largest discrepancy [1], as far as tyres of any make go. Without a limit, tyres with far too much
-slip, whose wheels lag, could explain a brake that acts late."""
+"""Largest discrepancy [1]; no tyre has more. Without a limit, tyres with far too much slip, whose
+wheels lag, could explain a brake that acts late."""
 _REACH = 0.25  # difference of force over which the discrepancy is correlated [1]
 _CORRELATION_OF_AXLES = 0.7  # of the discrepancies of front and rear tyres [1]
 
 
 def _discrepancy_precision() -> Array:
     """Precision (2 k, 2 k) of the discrepancies of both axles: a Gaussian process of the force."""
-    distances = DISCREPANCY_FORCES[:, None] - DISCREPANCY_FORCES
-    # correlations between forces (k, k), with a small part of each force alone, and between axles
+    distances = DISCREPANCY_FORCES[:, None] - DISCREPANCY_FORCES  # (k, k)
+    # correlations of the forces, with a small uncorrelated part, and of the axles
     forces = np.exp(-0.5 * (distances / _REACH) ** 2) + 0.01 * np.eye(DISCREPANCY_FORCES.size)
     axles = [[1.0, _CORRELATION_OF_AXLES], [_CORRELATION_OF_AXLES, 1.0]]
     return np.asarray(np.linalg.inv(np.kron(axles, _DISCREPANCY**2 * forces)))
@@ -60,7 +60,6 @@ DISCREPANCY_PRECISION = _discrepancy_precision()
 
 RANDOM_EFFECTS = tuple(row["name"] for row in _RANDOM_ROWS)
 GROUPS = tuple(dict.fromkeys(row["group"] for row in _RANDOM_ROWS))
-UNITS = {row["name"]: row["unit"] for row in _RANDOM_ROWS}
 FACTOR_ON = {row["name"]: row["factor_on"] for row in _RANDOM_ROWS if row["factor_on"]}
 """Random effects that are logarithms of factors, with the base parameters that they multiply."""
 _FACTORS = [RANDOM_EFFECTS.index(name) for name in FACTOR_ON]
@@ -69,14 +68,15 @@ _ALIKE_SIGMA, _USUAL_SIGMA, _OTHER_SIGMA = (
     np.array([float(row[key]) for row in _RANDOM_ROWS]) for key in ("alike", "usual", "other")
 )
 SCATTERED = ("pads", "road")  # groups in which logs usually differ a little
-OFFSETS = ("slope", "zero")  # random effects that act on v and a_x alone, whatever the forces are
-HEATS = ("front_heat", "rear_heat")
-SLOPE, ZERO, FRONT_HEAT, REAR_HEAT = (RANDOM_EFFECTS.index(name) for name in (*OFFSETS, *HEATS))
+# places of random effects in their arrays (8,); slope and zero act on v and a_x alone
+SLOPE, ZERO, FRONT_HEAT, REAR_HEAT = (
+    RANDOM_EFFECTS.index(name) for name in ("slope", "zero", "front_heat", "rear_heat")
+)
 
 
 @dataclass(frozen=True)
 class Base:
-    """Values of the base parameters; ``discrepancy`` (2, k) is that at `DISCREPANCY_FORCES` [1]."""
+    """Values of the base parameters, and the tyre discrepancies."""
 
     pad_friction_f: float  # [1]
     pad_friction_r: float
@@ -86,16 +86,17 @@ class Base:
     discrepancy: Array = field(
         default_factory=lambda: np.zeros((2, DISCREPANCY_FORCES.size)), compare=False
     )
+    """By axle and force of `DISCREPANCY_FORCES` [1]."""
 
     def of_log(self, random_effects: Array) -> Self:
         """Return the base of a log, whose ``random_effects`` (8,) change pads and tyres."""
         factors = np.exp(random_effects[_FACTORS]).tolist()
-        factor_on = dict(zip(FACTOR_ON.values(), factors, strict=True))
+        factor = dict(zip(FACTOR_ON.values(), factors, strict=True))
         return replace(
             self,
-            pad_friction_f=factor_on["pad_friction_f"] * self.pad_friction_f,
-            pad_friction_r=factor_on["pad_friction_r"] * self.pad_friction_r,
-            tyre=self.tyre.on_surface(factor_on["stiffness"], factor_on["peak"]),
+            pad_friction_f=factor["pad_friction_f"] * self.pad_friction_f,
+            pad_friction_r=factor["pad_friction_r"] * self.pad_friction_r,
+            tyre=self.tyre.on_surface(factor["stiffness"], factor["peak"]),
         )
 
 
@@ -111,15 +112,15 @@ def base_of(vehicle: Vehicle, x: Array) -> Base:
 
 def base_sigma(sample_time: float) -> Array:
     """Standard deviations (11,) of the priors on x, for logs of this ``sample_time`` [s]."""
-    is_clock = np.array(BASE_NAMES) == "clock"  # its standard deviation is given in samples
+    is_clock = np.array(BASE_NAMES) == "clock"  # the file has its standard deviation in samples
     return np.where(is_clock, _SIGMA * sample_time / _SCALE, _SIGMA)
 
 
 def random_sigmas(groups: Iterable[str], alike: Iterable[str] = ()) -> Array:
     """Standard deviations (8,) of the random effects.
 
-    Logs differ in ``groups``, are the same in the groups ``alike``, and differ as usual in the
-    rest; a group that is in both differs.
+    Logs differ in ``groups``, are the same in other groups that are ``alike``, and differ as usual
+    in all further groups.
     """
-    usual = np.where(np.isin(_GROUP_OF, list(alike)), _ALIKE_SIGMA, _USUAL_SIGMA)
-    return np.where(np.isin(_GROUP_OF, list(groups)), _OTHER_SIGMA, usual)
+    sigmas = np.where(np.isin(_GROUP_OF, list(alike)), _ALIKE_SIGMA, _USUAL_SIGMA)
+    return np.where(np.isin(_GROUP_OF, list(groups)), _OTHER_SIGMA, sigmas)

@@ -7,10 +7,10 @@
     front_sides  left less right, front              [rad/s]
     rear_sides   left less right, rear               [rad/s]
 
-The channels have a clock of 20 ms. The noise of each channel is an AR process fitted to the
-unbraked parts. With it the residuals are whitened: the innovations are white with variance 1 if the
-model is right. The residual of v is white noise plus a random walk, its drift; (1 - B)/(1 - 0.9 B)
-whitens it, where B delays by a sample.
+The channels have a clock of 20 ms. The noise of each channel is an autoregressive (AR) process
+fitted to the unbraked parts. A filter turns residuals into innovations, which are white with
+variance 1 if the model is right. The residual of v is white noise plus a random walk, its drift;
+its filter is (1 - B)/(1 - 0.9 B), where B delays by a sample.
 """
 
 from dataclasses import dataclass, replace
@@ -40,11 +40,11 @@ _OF_WHEELS = np.array(
 )
 """Coefficients (6, 4) of the channels on the wheel speeds, in the order of `WHEELS`."""
 _FLOOR = (0.005, 0.003, 0.005, 0.003, 0.003, 0.003)
-"""Lower limits of the innovations' sd (6,), in the channels' units: a simulation has no noise."""
+"""Least standard deviations (6,) of the noise, in the channels' units: a simulation has none."""
 STEP = 0.02  # clock of the channels [s]
 ORDER = 3  # order of the AR noise: a road, correlated over 0.1 s, needs 2 to 3 at 50 Hz
-WALK = 0.9  # pole of the whitening filter of v: a drift of a tenth of the noise per step
-LONG = 10 * ORDER  # least samples of an unbraked part that shows noise: ten for each coefficient
+_POLE = 0.9  # of the filter of v, for a drift per step of a tenth of the noise
+_LEAST_SAMPLES = 10 * ORDER  # of an unbraked part that shows noise: ten for each coefficient
 _PARABOLA = 3  # coefficients of the parabola that is taken out of every unbraked part
 
 
@@ -53,19 +53,20 @@ class ChannelNoise:
     """AR process of the noise of each channel."""
 
     coefficients: Array  # (6, ORDER), of the oldest sample first
-    sigma: Array  # sd of the innovations (6,)
+    sigma: Array  # standard deviations of the white noise that drives it, in channel units (6,)
     freedom: int  # number of independent samples from which the noise was estimated
 
 
 def residuals(run: ObservedRun, predicted: Prediction) -> Array:
-    """Measured less predicted readings, (6, m), as long as the car moves."""
+    """Measured less predicted readings (6, m), as long as the car moves."""
     r = of_wheels(run, run.omega - predicted.omega)
-    r[:2] = thinned(run, np.stack([run.a_x - predicted.a_x, run.v_read - predicted.speed_gain]))
+    r[A_X] = thinned(run, run.a_x - predicted.a_x)
+    r[DRIFT] = thinned(run, run.v_read - predicted.speed_gain)
     return r
 
 
 def of_wheels(run: ObservedRun, omega: Array) -> Array:
-    """Changes of the channels (..., 6, m) by changes ``omega`` of wheel speeds (..., 4, n)."""
+    """Channels (..., 6, m) of wheel speeds ``omega`` (..., 4, n), or their changes."""
     return np.asarray(_OF_WHEELS @ thinned(run, omega))
 
 
@@ -77,35 +78,35 @@ def thinned(run: ObservedRun, x: Array) -> Array:
     return block_mean(x[..., :length], n)
 
 
-def noise_of(unbraked: list[Array], of_runs: list[Array]) -> ChannelNoise:
-    """Estimate the noise, not below `_FLOOR`, from ``unbraked`` residuals, (6, m) of each run.
+def noise_of(unbraked: list[Array], whole: list[Array]) -> ChannelNoise:
+    """Estimate the noise, not below `_FLOOR`, from the ``unbraked`` residuals (6, m) of each run.
 
-    A parabola is taken out of them. If all are too short, white noise is estimated from all
-    residuals ``of_runs``, (6, n) each.
+    A parabola is taken out of the residuals of each run. If all unbraked parts are too short, white
+    noise is estimated from the residuals (6, n) of the ``whole`` runs.
     """
-    long = [r for r in unbraked if r.shape[1] >= LONG]
-    if not long:
-        return _white_noise_of(of_runs)
-    curves = [_parabola(r.shape[1]) for r in long]
-    straight = [r - r @ curve @ curve.T for r, curve in zip(long, curves, strict=True)]
+    parts = [r for r in unbraked if r.shape[1] >= _LEAST_SAMPLES]
+    if not parts:
+        return _white_noise_of(whole)
+    curves = [_parabola(r.shape[1]) for r in parts]
+    straight = [r - r @ curve @ curve.T for r, curve in zip(parts, curves, strict=True)]
     windows = [sliding_window_view(r, ORDER + 1, axis=1) for r in straight]
     coefficients = np.array(
         [lstsq(x[:, :-1], x[:, -1], rcond=None)[0] for x in np.concatenate(windows, axis=1)]
     )
     freedom = sum(r.shape[1] - ORDER - _PARABOLA for r in straight) - ORDER
-    unit = ChannelNoise(coefficients, np.ones(len(CHANNELS)), freedom)
-    squares = sum(np.sum(by_channel(whiten(r, unit)) ** 2, axis=1) for r in straight)
+    noise = ChannelNoise(coefficients, np.ones(len(CHANNELS)), freedom)
+    squares = sum(np.sum(by_channel(whiten(r, noise)) ** 2, axis=1) for r in straight)
     freedoms = np.full(len(CHANNELS), float(freedom))
     freedoms[DRIFT] = sum(_freedom_of_drift(r.shape[1]) for r in straight)
-    return replace(unit, sigma=np.maximum(np.sqrt(squares / freedoms), _FLOOR))
+    return replace(noise, sigma=np.maximum(np.sqrt(squares / freedoms), _FLOOR))
 
 
-def _white_noise_of(of_runs: list[Array]) -> ChannelNoise:
+def _white_noise_of(whole: list[Array]) -> ChannelNoise:
     """White noise by third differences of residuals (6, n), which contain almost no motion."""
-    scatter = [np.median(np.abs(np.diff(x, 3, axis=1)), axis=1) for x in of_runs]
+    medians = [np.median(np.abs(np.diff(r, 3, axis=1)), axis=1) for r in whole]
     # the median over the runs: a bite or a release does not move it
-    sigma = np.maximum(np.median(scatter, axis=0) / QUARTILE / np.sqrt(20.0), _FLOOR)
-    freedom = sum(x.shape[1] for x in of_runs) // 4  # a third difference joins four samples
+    sigma = np.maximum(np.median(medians, axis=0) / QUARTILE / np.sqrt(20.0), _FLOOR)
+    freedom = sum(r.shape[1] for r in whole) // 4  # a third difference joins four samples
     return ChannelNoise(np.zeros((len(CHANNELS), ORDER)), sigma, freedom)
 
 
@@ -117,26 +118,26 @@ def _parabola(size: int) -> Array:
 def _freedom_of_drift(size: int) -> float:
     """Expected sum of squares of whitened v of ``size`` samples of unit noise, less a parabola [1].
 
-    A whitened sample is the sum of the responses to all samples of the noise up to it. The response
-    to the first sample of the log has another shape than those to later ones.
+    A whitened sample is the sum of the responses to all noise samples up to it, so its variance is
+    the sum of their squares. All noise samples but the first have the same response, shifted.
     """
-    # squared responses to a unit impulse in the first sample, and in the second as in later ones
-    first, later = _whitened_drift(np.eye(2, size)) ** 2
+    first, later = _whitened_drift(np.eye(2, size)) ** 2  # to impulses in samples 0 and 1
     of_parabola = np.sum(_whitened_drift(_parabola(size).T) ** 2, axis=0)
-    return float(np.sum((first + np.cumsum(later) - of_parabola)[ORDER - 1 :]))
+    variances = first + np.cumsum(later) - of_parabola
+    return float(np.sum(variances[ORDER - 1 :]))
 
 
 def _whitened_drift(x: Array) -> Array:
     """Whitened v (..., m - 1) of the residual (..., m), in its unit: white noise keeps its sd."""
     from scipy.signal import lfilter
 
-    # differences of white noise, filtered, have 2/(1 + WALK) of its variance
-    smoothed = lfilter([1.0], [1.0, -WALK], np.diff(x))
-    return np.asarray(smoothed / np.sqrt(2.0 / (1.0 + WALK)))
+    # differences of white noise, filtered, have 2/(1 + _POLE) of its variance
+    smoothed = lfilter([1.0], [1.0, -_POLE], np.diff(x))
+    return np.asarray(smoothed / np.sqrt(2.0 / (1.0 + _POLE)))
 
 
 def whiten(residual: Array, noise: ChannelNoise) -> Array:
-    """Innovations over sigma (..., 6 (m - ORDER)) of residuals (..., 6, m), channel by channel."""
+    """Innovations (..., 6 (m - ORDER)) of residuals (..., 6, m), channel after channel."""
     size = residual.shape[-1] - ORDER
     terms = (noise.coefficients[:, k, None] * residual[..., k : k + size] for k in range(ORDER))
     innovations = residual[..., ORDER:] - sum(terms)

@@ -2,9 +2,9 @@
 
     state --predict--> innovations r      r + J dx + F df + N du      one linear model
 
-x are base parameters, effects and knots of a term, f the discrepancies of the tyres, u the random
-effects of a log. J, F and N are finite differences; the evidence is that of the linear model
-(Laplace's).
+x has base parameters, effects and the values of a term, f the discrepancies of the tyres, u the
+random effects of a log. J, F and N are the columns, by finite differences. The evidence is that of
+the linear model (Laplace's approximation).
 """
 
 import math
@@ -24,10 +24,10 @@ from calib.diagnosis.explanation.base import (
     FACTOR_ON,
     FRONT_HEAT,
     GROUPS,
-    HEATS,
-    OFFSETS,
     RANDOM_EFFECTS,
     REAR_HEAT,
+    SLOPE,
+    ZERO,
     Base,
     random_sigmas,
 )
@@ -59,7 +59,7 @@ class Fit:
     predictions: list[Prediction]
     innovations: list[Array]  # (n,)
     columns: list[Array]  # derivatives of the innovations by x and discrepancy (m + 2 k, n)
-    further_columns: list[Array]  # derivatives by offsets and heats (4, n)
+    further_columns: list[Array]  # derivatives by slope, zero, front heat and rear heat (4, n)
     log_evidence: float = -np.inf
 
     @property
@@ -79,7 +79,7 @@ class Fit:
 
     @property
     def scatter(self) -> float:
-        """Standard deviation of `mean_square` [1] if noise of an estimated size is left alone."""
+        """Standard deviation of `mean_square` [1] if only noise of an estimated size is left."""
         freedom = len(CHANNELS) * self.problem.noise.freedom
         return math.sqrt(2.0 / self.count + 2.0 / freedom)
 
@@ -104,7 +104,7 @@ class Fit:
 
     @property
     def random_effects_excess(self) -> float:
-        """Sum of squares of the random effects less its expected value, over its scatter [1]."""
+        """Squares of the random effects less their expected sum, over the scatter of the sum [1]."""
         u = self.scaled_random_effects
         return float(np.sum(u**2) - u.size) / math.sqrt(2.0 * max(u.size, 1))
 
@@ -117,7 +117,7 @@ class Fit:
 
     def worth_of(self, name: str) -> float:
         """Gain of ln of the evidence by an effect in the linear model, without its price."""
-        i = int(np.argmax(self.prior.effect_names == name))
+        i = int(np.argmax(self.prior.effect_names == name))  # place of its strength
         return float(0.5 * self.state.x[i] ** 2 / self.covariance[i, i])
 
     @property
@@ -152,13 +152,15 @@ class Fit:
 
     def random_columns(self, i: int) -> Array:
         """Derivatives (8, n) of the innovations of log ``i`` by its random effects."""
-        derivatives = dict(zip((*OFFSETS, *HEATS), self.further_columns[i], strict=True))
-        for name, parameter in FACTOR_ON.items():  # a factor acts as the parameter does
-            derivatives[name] = self.columns[i][BASE_NAMES.index(parameter)]
-        return np.stack([derivatives[name] for name in RANDOM_EFFECTS])
+        derivatives = np.empty((len(RANDOM_EFFECTS), self.innovations[i].size))
+        derivatives[[SLOPE, ZERO, FRONT_HEAT, REAR_HEAT]] = self.further_columns[i]
+        for name, parameter in FACTOR_ON.items():  # a factor acts as its base parameter does
+            by_parameter = self.columns[i][BASE_NAMES.index(parameter)]
+            derivatives[RANDOM_EFFECTS.index(name)] = by_parameter
+        return derivatives
 
     def products_with(self, further: Sequence[Array]) -> list[Products]:
-        """Inner products of each log, with ``further`` columns (c, n) behind the shared ones."""
+        """Inner products of each log, with its ``further`` columns (c, n) after the shared ones."""
         products = []
         for i, r in enumerate(self.innovations):
             shared = np.vstack([self.columns[i], further[i]])
@@ -177,9 +179,10 @@ class Fit:
         sigmas: Array | None = None,
         damping: float = 0.0,
     ) -> Marginal:
-        """The linear model of all logs, or of those of ``products``, which may be more.
+        """The linear model of the logs whose ``products`` are given, by default of all logs.
 
-        ``sigmas`` (8,), by default of the hypothesis, and ``damping`` as `Products.marginalised`.
+        ``sigmas`` (8,) of the random effects are by default those of the hypothesis. For
+        ``damping`` see `Products.marginalised`.
         """
         return Marginal.from_products(
             self.products if products is None else products,
@@ -244,12 +247,13 @@ def with_columns(fit: Fit, near: Sequence[Array] = ()) -> Fit:
     count = len(near[0]) - size if near else 0  # of the elements of x that ``near`` has
     steps = np.where(state.x + _STEP < fit.prior.high[:m], _STEP, -_STEP)
     moved = [replace(state, x=state.x + step) for step in np.diag(steps)[count:]]
-    by_further = _differences(fit, moved, steps[count:])
-    columns = []
-    for at_near, further in zip(near if near else _by_discrepancy(fit), by_further, strict=True):
-        # zero if the hypothesis has no discrepancy
-        by_discrepancy = fit.hypothesis.has_discrepancy * at_near[-size:]
-        columns.append(np.vstack([at_near[:count], further, by_discrepancy]))
+    by_new = _differences(fit, moved, steps[count:])
+    reused = near if near else _by_discrepancy(fit)
+    has_discrepancy = fit.hypothesis.has_discrepancy  # if False, its columns are zero
+    columns = [
+        np.vstack([J[:count], J_new, has_discrepancy * J[-size:]])
+        for J, J_new in zip(reused, by_new, strict=True)
+    ]
     if FADE in fit.effects:
         heat = random_derivatives(fit, (FRONT_HEAT, REAR_HEAT))
     else:
@@ -259,15 +263,18 @@ def with_columns(fit: Fit, near: Sequence[Array] = ()) -> Fit:
 
 
 def _by_discrepancy(fit: Fit) -> list[Array]:
-    """Derivatives (2 k, n) of the innovations of each log by front and rear discrepancy."""
+    """Derivatives (2 k, n) of the innovations of each log by front and rear discrepancy.
+
+    The wheel speeds fall by the slip speed times the discrepancy, so the residuals rise.
+    """
     derivatives, hats = [], np.eye(DISCREPANCY_FORCES.size)
     for run, prediction in zip(fit.problem.runs, fit.predictions, strict=True):
         forces = prediction.normalised_force
         shares = np.stack(  # (k, 4, n): a value acts with a hat function of the force
             [[np.interp(force, DISCREPANCY_FORCES, hat) for force in forces] for hat in hats]
         )
-        omega = np.stack([shares * prediction.slip_speed] * 2)  # front, rear discrepancy
-        omega[0, :, 2:], omega[1, :, :2] = 0.0, 0.0
+        omega = np.stack([shares * prediction.slip_speed] * 2)  # by front, rear discrepancy
+        omega[0, :, 2:], omega[1, :, :2] = 0.0, 0.0  # rear and front wheels do not change
         derivatives.append(whiten(of_wheels(run, np.concatenate(omega)), fit.problem.noise))
     return derivatives
 
@@ -281,8 +288,8 @@ def random_derivatives(fit: Fit, places: Sequence[int]) -> list[Array]:
 
 def _differences(fit: Fit, moved: Sequence[State], steps: Array) -> list[Array]:
     """Derivatives (j, n) of the innovations of each log from j ``moved`` states, by ``steps``."""
-    by_state = [predict_all(fit.problem, fit.hypothesis, state, fit.lags)[1] for state in moved]
-    return [
-        (np.array([r_moved[i] for r_moved in by_state]).reshape(-1, r.size) - r) / steps[:, None]
+    moved_r = [predict_all(fit.problem, fit.hypothesis, state, fit.lags)[1] for state in moved]
+    return [  # reshape, since j may be 0
+        (np.array([of_logs[i] for of_logs in moved_r]).reshape(-1, r.size) - r) / steps[:, None]
         for i, r in enumerate(fit.innovations)
     ]

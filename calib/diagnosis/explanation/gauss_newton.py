@@ -1,9 +1,9 @@
 """Fit a hypothesis to all logs by a few damped Gauss-Newton steps.
 
-The fall of a step is that of the sum of squares of innovations and priors. Where it is less than
-the linear model predicts, a second-order correction follows the curvature that the step showed.
-Each round computes the derivatives anew: with secant updates the end of a flat valley depends on
-the last digit.
+The fall of a step is the decrease of the sum of squares of innovations and priors. Where it is less
+than the linear model predicts, a second-order correction follows the curvature that the step
+showed. Each round computes the derivatives anew, since with secant updates the end of a flat valley
+depends on the last digit.
 """
 
 from collections.abc import Sequence
@@ -17,15 +17,14 @@ from calib.diagnosis.explanation.hypothesis import Hypothesis, State, prior_of
 from calib.diagnosis.explanation.problem import Problem
 
 _ROUNDS = 20
-_DAMPING, _MOST_DAMPED = 1e-3, 1e4
+_FIRST_DAMPING, _MAX_DAMPING = 1e-3, 1e4  # shares of the diagonal of the information [1]
 ROUGH, FINE = (2.0, 1e-2), (0.1, 1e-4)
-"""Tolerances of fits that are compared, and of those that are answered: a fit ends if a step falls
-by less, as squares, and as a share of the squares beyond noise. An effect that counts takes 20, and
-a twentieth."""
-_CURVED = 0.5  # fall over the predicted one below which a step is corrected [1]
+"""Tolerances of fits that are compared, and of results: a fall in squares, and a share of the
+squares beyond noise. A smaller fall ends a fit. An effect that counts takes 20, and a twentieth."""
+_CURVED = 0.5  # fall over the predicted fall below which a step is corrected [1]
 _RIDGE = 1e-12  # added to a scaled information matrix, far above rounding [1]
-_FAR, _FAR_EFFECT = 0.3, 1.5
-"""Longest step for which the linear model holds, of x of base and discrepancy, and of effects."""
+_REACH, _REACH_OF_EFFECTS = 0.3, 1.5
+"""Largest step of x for which the linear model holds: of base and discrepancy, and of effects."""
 
 
 def fit_logs(
@@ -38,9 +37,8 @@ def fit_logs(
 ) -> Fit:
     """Fit a hypothesis from a ``state``; ``near`` are columns nearby, as for `with_columns`.
 
-    The fit ends if a step is predicted to fall by less than the ``tolerance``, or if all rounds
-    that are left, each as good as the next one, would leave ln of the evidence below ``least``. The
-    evidence is that of the linear model, with a fall of at most the tolerance.
+    The fit ends if the predicted fall is below the ``tolerance``, or if ln of the evidence would
+    stay below ``least`` though all rounds that are left fell as the next one.
     """
     prior, m = prior_of(problem, hypothesis), state.x.size
     state = replace(state, x=np.clip(state.x, prior.low[:m] + 1e-6, prior.high[:m] - 1e-6))
@@ -49,37 +47,39 @@ def fit_logs(
     squares_to_end, share_to_end = tolerance
     for number in range(_ROUNDS):
         # undamped: a damped step that ends at its bounds may predict no fall, and yet fall
-        ahead, predicted = _step(fit, 0.0)
-        worth = max(squares_to_end, share_to_end * (fit.squares - fit.count))
+        target, predicted = _step(fit, 0.0)
+        least_fall = max(squares_to_end, share_to_end * (fit.squares - fit.count))
         reachable = fit.marginal().evidence(0.0) - price + 0.5 * predicted * (_ROUNDS - number)
         has_own_columns = number > 0 or not near
-        if (predicted < worth and has_own_columns) or reachable < least:
+        if (predicted < least_fall and has_own_columns) or reachable < least:
             break
-        if predicted >= worth:
+        if predicted >= least_fall:
             squares = fit.squares
-            fit, damping = _downhill(fit, ahead, predicted, damping)
-            if squares - fit.squares < 0.5 * worth:
+            fit, damping = _downhill(fit, target, predicted, damping)
+            if squares - fit.squares < 0.5 * least_fall:
                 break
         fit = with_columns(fit)
+    # the evidence of the linear model; a larger fall than the tolerance is not trusted
     return replace(fit, log_evidence=fit.marginal().evidence(squares_to_end) - price)
 
 
-def _downhill(fit: Fit, state: State, predicted: float, damping: float) -> tuple[Fit, float]:
-    """Take a step that falls, to ``state`` if it is not damped; also return the next damping.
+def _downhill(fit: Fit, target: State, predicted: float, damping: float) -> tuple[Fit, float]:
+    """Return the fit after a step that falls, and the damping of the next step.
 
-    A small enough step always falls (Levenberg 1944); where none does, rounding decides.
+    ``target`` is where the undamped step ends, with its ``predicted`` fall. A small enough step
+    always falls (Levenberg 1944); if none does, rounding hides the fall, and the fit stays.
     """
-    while damping < _MOST_DAMPED:
+    while damping < _MAX_DAMPING:
         if damping:
-            state, predicted = _step(fit, damping)
-        moved = fit.at_state(state)
+            target, predicted = _step(fit, damping)
+        moved = fit.at_state(target)
         if fit.squares - moved.squares < _CURVED * predicted:
             corrected = fit.at_state(_corrected_step(fit, moved, damping))
             if corrected.squares < moved.squares:
                 moved = corrected
         if moved.squares < fit.squares:
             return moved, 0.1 * damping
-        damping = max(10.0 * damping, _DAMPING)
+        damping = max(10.0 * damping, _FIRST_DAMPING)
     return fit, 0.0
 
 
@@ -96,21 +96,22 @@ def _corrected_step(fit: Fit, moved: Fit, damping: float) -> State:
         r - dx @ J - du[i] @ fit.random_columns(i)
         for i, (r, J) in enumerate(zip(moved.innovations, fit.columns, strict=True))
     ]
-    state = _step(replace(fit, innovations=innovations), damping)[0]
-    most = 2.0 * np.abs(du)
-    return replace(state, random_effects=np.clip(state.random_effects, u - most, u + most))
+    state, _ = _step(replace(fit, innovations=innovations), damping)
+    reach = 2.0 * np.abs(du)
+    return replace(state, random_effects=np.clip(state.random_effects, u - reach, u + reach))
 
 
 def _step(fit: Fit, damping: float) -> tuple[State, float]:
-    """The state after a damped step within bounds and reach of the model; the predicted fall."""
+    """Return the state after a step within bounds and reach, and the predicted fall."""
     prior, shared, m = fit.prior, fit.state.shared, fit.state.x.size
-    far = np.where(np.isin(prior.effect_names, fit.names), _FAR_EFFECT, _FAR)
-    low, high = np.maximum(prior.low - shared, -far), np.minimum(prior.high - shared, far)
+    reach = np.where(np.isin(prior.effect_names, fit.names), _REACH_OF_EFFECTS, _REACH)
+    low, high = np.maximum(prior.low - shared, -reach), np.minimum(prior.high - shared, reach)
     marginal = fit.marginal(damping=damping)
     H, g = marginal.information, marginal.gradient
     H = H + damping * np.diag(np.diag(H))
     step = _bounded_minimum(H, g, low, high)
-    step[m:] *= fit.hypothesis.has_discrepancy
+    if not fit.hypothesis.has_discrepancy:
+        step[m:] = 0.0
     random_steps = np.stack([by_column @ np.append(step, 1.0) for by_column in marginal.steps])
     x, discrepancy = np.split(np.clip(shared + step, prior.low, prior.high), [m])
     fall = fit.squares - marginal.squares - (2.0 * g @ step + step @ H @ step)
@@ -121,7 +122,7 @@ def _bounded_minimum(H: Array, g: Array, low: Array, high: Array) -> Array:
     """Return the s (k,) between ``low`` and ``high`` with the least s' H s + 2 g' s."""
     from scipy.optimize import lsq_linear
 
-    scale = 1.0 / np.sqrt(np.diag(H))
+    scale = 1.0 / np.sqrt(np.diag(H))  # so that the scaled matrix has ones on its diagonal
     root = np.linalg.cholesky(H * scale * scale[:, None] + _RIDGE * np.eye(g.size))
     bounds = low / scale, high / scale
     solved = lsq_linear(root.T, -np.linalg.solve(root, g * scale), bounds, method="bvls")

@@ -6,7 +6,7 @@
 
 r_i are the innovations of log i at the present point, dx and du_i steps from that point. A Schur
 complement removes the random effects of each log, so another S needs the inner products alone, not
-the rows. Columns of A without a prior are called further ones; they stand behind the others.
+the rows. Further columns of A, behind the others, have no prior.
 """
 
 from dataclasses import dataclass
@@ -18,10 +18,10 @@ from calib.base.arrays import Array
 
 @dataclass(frozen=True)
 class Products:
-    """Inner products of m shared columns, r, and k columns of random effects of a log."""
+    """Inner products of the columns of a log: m shared ones, r, and k of its random effects."""
 
     gram: Array  # (m + 1 + k, m + 1 + k), in this order
-    random_effects: Array  # (k,)
+    random_effects: Array  # at the present point (k,)
 
     @classmethod
     def from_columns(
@@ -34,39 +34,35 @@ class Products:
     def marginalised(self, sigmas: Array, damping: float = 0.0) -> tuple[Array, Array, float]:
         """Return the products (m + 1, m + 1) without what random effects of ``sigmas`` explain.
 
-        Also return the step (k, m + 1) of the random effects for each column, so that
-        du = -step (dx, 1), and ln of the determinant of their information, to whose diagonal the
-        share ``damping`` is added.
+        Also return the step (k, m + 1) of the random effects, du = -step (dx, 1), and ln of the
+        determinant of their information, whose diagonal is raised by the share ``damping``.
         """
         (use,) = np.nonzero(sigmas)
-        m = len(self.gram) - sigmas.size
+        size = len(self.gram) - sigmas.size  # m + 1
         S = sigmas[use]
-        # information, in units of S, and its products with the other columns
-        P = np.eye(S.size) + S[:, None] * self.gram[np.ix_(m + use, m + use)] * S
+        # information of du/S, and its products with the shared columns and r
+        P = np.eye(S.size) + S[:, None] * self.gram[np.ix_(size + use, size + use)] * S
         P[np.diag_indices(S.size)] *= 1.0 + damping
-        b = S[:, None] * self.gram[m + use, :m]
-        t = self.random_effects[use] / S
-        b[:, -1] += t
+        b = S[:, None] * self.gram[size + use, :size]
+        scaled = self.random_effects[use] / S  # residuals of the prior
+        b[:, -1] += scaled
         solved = np.linalg.solve(P, b)
-        G = self.gram[:m, :m] - b.T @ solved
-        G[-1, -1] += t @ t
-        step = np.zeros((sigmas.size, m))
+        G = self.gram[:size, :size] - b.T @ solved
+        G[-1, -1] += scaled @ scaled
+        step = np.zeros((sigmas.size, size))
         step[use] = S[:, None] * solved
         return G, step, float(np.linalg.slogdet(P)[1])
 
 
 @dataclass(frozen=True)
 class Marginal:
-    """Products of all logs and of the prior, which is on the first k columns.
-
-    ``log_determinants`` sums ln of the determinants of the random effects' information, less that
-    of the prior.
-    """
+    """Products of all logs and of the prior, which is on the first k columns."""
 
     information: Array  # products of the first k columns (k, k)
     cross: Array  # products of the first k columns with c further ones and r (k, c + 1)
     further: Array  # products of the further columns and r (c + 1, c + 1)
     log_determinants: float
+    """Sum of ln of the determinants of the random effects' information, less that of the prior."""
     steps: list[Array]  # of each log, by `Products.marginalised`
 
     @classmethod
@@ -83,14 +79,13 @@ class Marginal:
         ``offset`` (k,) is the present point less the mean of the prior.
         """
         logs = [of_log.marginalised(sigmas, damping) for of_log in products]
-        G, k = np.sum([gram for gram, _, _ in logs], axis=0), offset.size
-        # products of the prior's residual dx + offset, weighed by its precision
+        grams, steps, determinants = zip(*logs, strict=True)
+        G, k = np.sum(grams, axis=0), offset.size
+        # the prior's residual dx + offset has columns in the first k places and in that of r
         prior, places = np.column_stack([np.eye(k), offset]), [*range(k), -1]
         G[np.ix_(places, places)] += prior.T @ precision @ prior
-        log_determinants = sum(of_log for _, _, of_log in logs)
-        log_determinants -= float(np.linalg.slogdet(precision)[1])
-        steps = [step for _, step, _ in logs]
-        return cls(G[:k, :k], G[:k, k:], G[k:, k:], log_determinants, steps)
+        log_determinants = sum(determinants) - float(np.linalg.slogdet(precision)[1])
+        return cls(G[:k, :k], G[:k, k:], G[k:, k:], log_determinants, list(steps))
 
     @property
     def gradient(self) -> Array:
@@ -99,13 +94,13 @@ class Marginal:
 
     @property
     def squares(self) -> float:
-        """Sum of squares at the present point, priors included, with the best random effects."""
+        """Sum of squares at the present x with the best random effects, priors included."""
         return float(self.further[-1, -1])
 
     def evidence(self, largest_fall: float = np.inf) -> float:
         """ln of the evidence without the further columns, up to a constant of the rows.
 
-        The sum of squares falls by at most ``largest_fall`` from here to the optimum.
+        The fall of the sum of squares to the optimum of x counts as at most ``largest_fall``.
         """
         H, g = self.information, self.gradient
         fall = min(float(g @ np.linalg.solve(H, g)), largest_fall)
@@ -113,6 +108,6 @@ class Marginal:
         return 0.5 * (fall - self.squares - log_determinant - self.log_determinants)
 
     def eliminated(self) -> tuple[Array, Array]:
-        """Normal equations (c, c), (c,) of the further columns, all others eliminated."""
+        """Matrix (c, c) and right side (c,) of the normal equations of further columns alone."""
         schur = self.further - self.cross.T @ np.linalg.solve(self.information, self.cross)
         return schur[:-1, :-1], -schur[:-1, -1]

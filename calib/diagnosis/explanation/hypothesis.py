@@ -1,8 +1,9 @@
 """What may explain the logs: effects by name, groups in which logs differ, an empirical term.
 
-A `Hypothesis` says which of them act, a `State` how large they are. Effects have parameters, the
-`Element` of x behind the base; an empirical term has values, a `Walk` at the end of x. `prior_of`
-is the prior of a hypothesis, `base_and_effects` the physics of a state.
+A `Hypothesis` says which of these act, a `State` how large they are. The vector x of a state has
+the base parameters, then an `Element` for each parameter of an effect, then the values of an
+empirical term, a `Walk`. `prior_of` returns the prior of a hypothesis, `base_and_effects` the
+physics of a state.
 """
 
 from dataclasses import dataclass, replace
@@ -32,19 +33,22 @@ from calib.diagnosis.explanation.problem import Problem
 FADE = "pad_thermal_fade"
 _RIPPLES = ("disc_thickness_variation", "tone_ring_runout")  # effects that go with the wheel angle
 _IN_EVERY_CAR = frozenset({"aerodynamic_drag", "rolling_resistance", "rolling_radius_mismatch"})
-STRENGTH = 2.0  # standard deviation of the strength of an effect, in spreads of its card
+STRENGTH = 2.0
+"""Standard deviation of the first parameter of an effect, its strength, in spreads of its card."""
 _FURTHER = 1.0  # the same for further parameters
 PRICE = 5.0  # ln of the prior odds against an effect, or a group in which logs differ
-_PHASE = 2.0  # price of the angle of a ripple in a run, which was fitted to that run
+_PHASE = 2.0  # price of the angle of a ripple in a run, since the angle was fitted to that run
 _FIRST = 5.0  # standard deviation of the first value of a walk, in increments
-_START_OF_PEAK = 0.25  # x of the peak where a fit begins: forces beyond a low one say nothing of it
+_START_OF_PEAK = 0.25
+"""x of the tyre's peak where a fit begins, above the usual one: forces beyond a peak have no
+derivative by it, so a fit that begins with too low a peak may stay there."""
 
 
 @dataclass(frozen=True)
 class State:
     """Values of all unknowns of a hypothesis."""
 
-    x: Array  # of base, effects and walk (m,)
+    x: Array  # of base, effects and term (m,)
     discrepancy: Array  # (2 k,)
     random_effects: Array  # (runs, 8)
 
@@ -61,14 +65,14 @@ class Walk:
     place: str
     driver: str
     knots: tuple[float, ...]
-    size: float  # sd of an increment; the first value has `_FIRST` times that [1]
+    size: float  # standard deviation of an increment [1]
 
     @property
     def precision(self) -> Array:
         """Precision (k, k) of the values."""
-        steps = np.diff(np.eye(len(self.knots)), axis=0, prepend=0.0)
-        steps[0, 0] = 1.0 / _FIRST
-        return np.asarray(steps.T @ steps / self.size**2)
+        increments = np.diff(np.eye(len(self.knots)), axis=0, prepend=0.0)  # by the values (k, k)
+        increments[0, 0] = 1.0 / _FIRST
+        return np.asarray(increments.T @ increments / self.size**2)
 
     @property
     def limit(self) -> float:
@@ -78,17 +82,17 @@ class Walk:
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """Effects and groups that act, and a walk that stands for whatever no effect explains."""
+    """Effects and groups that act, and a term for what no effect explains."""
 
     names: tuple[str, ...] = ()  # of effects
     groups: frozenset[str] = frozenset()  # of random effects in which logs differ
     alike: frozenset[str] = frozenset()  # groups in which logs are alike
-    walk: Walk | None = None
+    walk: Walk | None = None  # the empirical term
     has_discrepancy: bool = True  # whether the slip of tyres may depart from its formula
 
     @property
     def key(self) -> object:
-        """Names, groups and walk, whatever their order: equal for equal explanations."""
+        """Names in any order, groups and walk: equal for equal explanations."""
         return frozenset(self.names), self.groups, self.walk
 
     @property
@@ -118,16 +122,16 @@ class Hypothesis:
 
 @dataclass(frozen=True)
 class Element:
-    """The element x of a parameter of an effect: value = origin + x spread.
+    """The element x of a parameter of an effect: value = origin + x spread of its card.
 
     The origin is the value of the vehicle file if there is one; else the neutral value for a
-    strength, the typical one for a further parameter.
+    strength, the typical value for a further parameter.
     """
 
     effect: str
     parameter: Parameter
     origin: float
-    sigma: float  # of the prior on x
+    sigma: float  # standard deviation of the prior on x, whose mean is 0
 
     @property
     def low(self) -> float:
@@ -148,10 +152,12 @@ class Element:
 def elements_of(effects: Effects, name: str) -> list[Element]:
     """Return the elements of one effect; ``effects`` are those of the vehicle file."""
     card = definition(effects, name).card
-    values = effects.parameters.get(name, {card.parameters[0].name: card.neutral})
-    sigmas = [STRENGTH, *[_FURTHER] * (len(card.parameters) - 1)]
-    pairs = zip(card.parameters, sigmas, strict=True)
-    return [Element(name, p, values.get(p.name, p.typical), sigma) for p, sigma in pairs]
+    strength, *further = card.parameters
+    origins = effects.parameters.get(name, {strength.name: card.neutral})
+    return [
+        Element(name, strength, origins.get(strength.name, strength.typical), STRENGTH),
+        *(Element(name, p, origins.get(p.name, p.typical), _FURTHER) for p in further),
+    ]
 
 
 def _elements(problem: Problem, names: tuple[str, ...]) -> list[Element]:
@@ -161,9 +167,9 @@ def _elements(problem: Problem, names: tuple[str, ...]) -> list[Element]:
 
 @dataclass(frozen=True)
 class Prior:
-    """Prior of x and discrepancy (m + 2 k,), which all logs share: normal, cut at bounds."""
+    """Prior of `State.shared` (m + 2 k,): normal about zero, cut at bounds."""
 
-    effect_names: NDArray[np.str_]  # effect of each element, "" for base, walk and discrepancy
+    effect_names: NDArray[np.str_]  # effect of each element, "" for base, term and discrepancy
     low: Array
     high: Array
     precision: Array  # (m + 2 k, m + 2 k)
@@ -174,14 +180,14 @@ def prior_of(problem: Problem, hypothesis: Hypothesis) -> Prior:
     from scipy.linalg import block_diag
 
     elements = _elements(problem, hypothesis.names)
-    limits = len(DISCREPANCY_PRECISION) * [DISCREPANCY_LIMIT]
+    limits = len(DISCREPANCY_PRECISION) * [DISCREPANCY_LIMIT]  # behind base and effects
     precisions = [DISCREPANCY_PRECISION]
     walk = hypothesis.walk
     if walk is not None:
         limits = [*len(walk.knots) * [walk.limit], *limits]
         precisions = [walk.precision, *precisions]
-    slowest = max(run.step / run.averaged for run in problem.runs)
-    sigma = np.append(base_sigma(slowest), [element.sigma for element in elements])
+    sample_time = max(run.step / run.averaged for run in problem.runs)  # of the slowest log
+    sigma = np.append(base_sigma(sample_time), [element.sigma for element in elements])
     names = [element.effect for element in elements]
     return Prior(
         np.array([*BASE_SIZE * [""], *names, *len(limits) * [""]]),
@@ -194,9 +200,10 @@ def prior_of(problem: Problem, hypothesis: Hypothesis) -> Prior:
 def base_and_effects(
     problem: Problem, hypothesis: Hypothesis, state: State
 ) -> tuple[Base, Effects]:
-    """Return base and effects of a state; those of the vehicle file are among the effects."""
+    """Return base and effects of a state; effects include those of the vehicle file."""
     parameters: dict[str, dict[str, float]] = {}
     elements = _elements(problem, hypothesis.names)
+    # x may go on with the values of a term
     for element, x in zip(elements, state.x[BASE_SIZE:].tolist(), strict=False):
         parameters.setdefault(element.effect, {})[element.parameter.name] = element.value(x)
     effects = problem.vehicle.effects.with_(Effects(parameters))

@@ -4,8 +4,8 @@
                                          |
                                          +--> slips --> wheel speeds
 
-The measured speed is used instead of an integrated one: it does not drift, and a whole run is
-computed in array operations. `run_of` averages a log onto a grid, `predict` predicts its readings.
+The measured speed is used instead of an integrated speed, which would drift and would need a loop
+over time. `run_of` averages a log onto a grid, `predict` predicts its readings.
 """
 
 from dataclasses import dataclass, field, replace
@@ -43,18 +43,18 @@ _PASSES_OF_TERM = 8
 """Passes if an empirical term depends on the deceleration: each leaves up to a quarter of the
 error. The first pass takes the measured deceleration, so after few passes such a term would predict
 a_x from the noise of a_x."""
-_EDGE = 0.985  # share of the tyre's peak up to which slip follows from force; then it is constant
+_EDGE = 0.985  # share of the tyre's peak above which a larger force gives no larger slip
 
 
 @dataclass(frozen=True, kw_only=True)
 class ObservedRun(RunHistory):
-    """A log on the grid: means over its steps, shapes (n,), SI.
+    """A log on the grid: means over the steps of the grid, shapes (n,), SI.
 
-    Of the fields of `RunHistory`, ``v`` and temperatures are smoothed, ``z`` is measured, energies
-    are zero, and ``source`` is the name of the log.
+    In the fields of `RunHistory`, ``v`` and temperatures are smoothed, ``z`` is measured, and
+    energies are zero.
     """
 
-    step: float  # of the grid
+    step: float  # of the grid [s]
     v_read: Array  # speed as measured
     omega: Array  # (4, n), in the order of `WHEELS`
     drive: Array  # torque of engine or motor at each axle, zero if not logged (2, n)
@@ -77,7 +77,7 @@ class ObservedRun(RunHistory):
 
 @dataclass(frozen=True)
 class RunLag:
-    """Lag of the wheels of a run, kept for further predictions: it takes a third of the time."""
+    """Lag of the wheels of a run, reused in further predictions: it takes a third of their time."""
 
     car: Vehicle  # without effects
     tyre: MagicFormula  # on the road of the log
@@ -142,7 +142,7 @@ def predict(
     """Predict the readings of a run; ``run_lag`` is used if it is that of the same car and tyre.
 
     The deceleration acts on the tyre forces through the inertia of the wheels alone, so each pass
-    leaves 3 % of the error of z. If the second pass gives the same torques as the first, they
+    leaves 3 % of the error of z. If the second pass gives the same torques as the first, torques
     depend on neither z nor heat, and no third pass is needed.
 
     Quantities of the wheels are (s, 2, n), by side and axle; s is 1 where both sides are alike.
@@ -159,7 +159,7 @@ def predict(
     for number in range(_PASSES_OF_TERM if depends_on_z else _PASSES):
         previous, torque = torque, _torque(car, base, effects, history, clamps)
         force, rate, motion, z = _balance(car, effects, history, torque, run_lag.lag)
-        # heat of one brake of each axle, (2, n)
+        # heat of one brake of each axle, (2, n), by the speeds of the left wheels
         energy = np.cumsum(np.mean(torque, axis=0) * run.omega[::2], axis=-1) * run.step
         history = replace(run, z=z, energy_f=energy[0], energy_r=energy[1])
         if number == 1 and not depends_on_z and np.array_equal(previous, torque):
@@ -174,9 +174,9 @@ def predict(
     slip = formula_slip * (1.0 + np.stack(discrepancy, axis=1))
     wheel_delay = combined.reading_delay(effects, "wheel_speed_delay")
     slip = np.array([[delayed(run.time, x, wheel_delay) for x in side] for side in slip])
-    gain = integral(run.time, -G * z)
+    gain = integral(run.time, -G * z)  # of the true speed since the start
     gain_read = delayed(run.time, gain, combined.reading_delay(effects, "speed_delay"))
-    # v at the time that the wheel speeds show
+    # the speed at the earlier moment that delayed wheel speeds show
     v = run.v_read + (delayed(run.time, gain, wheel_delay) - gain_read)
     rolling = v / np.array([[car.front.rolling_radius], [car.rear.rolling_radius]])
     omega = _by_wheel(rolling * (1.0 - slip))
@@ -198,8 +198,8 @@ def _lag_of(car: Vehicle, tyre: MagicFormula, run: ObservedRun) -> RunLag:
     axle_load = np.array(axle_loads(car, run.z))  # (2, n)
     _, slope, _ = tyre.slip_at_force(run.z, 2.0 * axle_load / car.weight, _EDGE)
     axles = (car.front, car.rear)
-    rim_mass = np.array([[axle.wheel_inertia / axle.rolling_radius**2] for axle in axles])  # [kg]
-    tau = rim_mass * run.v / (0.5 * axle_load * slope)  # of a wheel, which has half the load
+    rim_mass = np.array([[axle.wheel_inertia / axle.rolling_radius**2] for axle in axles])  # J/R^2
+    tau = rim_mass * run.v / (0.5 * axle_load * slope)  # a wheel has half the load of its axle
     return RunLag(car, tyre, WheelLag.from_tau(tau, tyre.relaxation, run.v, run.step))
 
 
@@ -215,29 +215,29 @@ def _torque(
     factor_f, factor_r = combined.pad_factors(effects, history, *clamps)
     front = brake_torque(car.front, base.pad_friction_f * factor_f, clamps[0])
     rear = brake_torque(car.rear, base.pad_friction_r * factor_r, clamps[1])
-    of_axles, wheel_factors = {"f": front, "r": rear}, combined.wheel_factors(effects, history)
+    factors = combined.wheel_factors(effects, history)  # of the wheels that differ from their axle
+    if not factors:
+        return np.array([[front, rear]])
     return np.array(
-        [
-            [torque * wheel_factors.get(axle + side, 1.0) for axle, torque in of_axles.items()]
-            for side in ("lr" if wheel_factors else "l")
-        ]
+        [[front * factors.get(f"f{s}", 1.0), rear * factors.get(f"r{s}", 1.0)] for s in "lr"]
     )
 
 
 def _balance(
     car: Vehicle, effects: Effects, history: ObservedRun, torque: Array, lag: WheelLag
 ) -> tuple[Array, Array, Motion, Array]:
-    """Tyre forces [N] and rates [N/s] (s, 2, n), motion with the loads by the last z, the new z."""
-    shift = car.weight * combined.total_load_shift(car, effects, history)
+    """Tyre forces [N] and rates [N/s] (s, 2, n), motion with loads at ``history.z``, the new z."""
+    load_shift = car.weight * combined.total_load_shift(car, effects, history)
     load_f, load_r = axle_loads(car, history.z)
-    motion = Motion(history.v, load_f - shift, load_r + shift, history)
+    motion = Motion(history.v, load_f - load_shift, load_r + load_shift, history)
+    # what slows a wheel besides its brake [N m], (2, n)
     moments = 0.5 * (np.array(combined.total_axle_moment(car, effects, motion)) - history.drive)
     steady = [
         tyre_force(axle, torque[:, i], -G * history.z / axle.rolling_radius, moments[i])
         for i, axle in enumerate((car.front, car.rear))
     ]
     force, rate = lag.follow(np.stack(steady, axis=1))
-    total = 2.0 * np.sum(np.mean(force, axis=0), axis=0)
+    total = 2.0 * np.sum(np.mean(force, axis=0), axis=0)  # two wheels on each axle
     total = total + combined.total_body_force(car, effects, motion)
     return force, rate, motion, total / car.weight
 
@@ -245,11 +245,11 @@ def _balance(
 def _slip(
     car: Vehicle, tyre: MagicFormula, force: tuple[Array, Array], load: Array, lag: WheelLag
 ) -> Array:
-    """Slip [1] of wheels whose tyres have a ``force`` [N] with a rate [N/s], and a ``load`` [N]."""
+    """Slip [1] of wheels whose tyres have a ``force`` [N] and its rate [N/s], and a load [N]."""
     normalised = force[0] / load
     slip, slope, past_edge = tyre.slip_at_force(normalised, 4.0 * load / car.weight, _EDGE)
     if tyre.relaxation == 0.0:
         return slip
     # the slip of a tyre with a relaxation length leads the force
-    change = (force[1] - normalised * np.gradient(load, lag.step, axis=-1)) / load
+    change = (force[1] - normalised * np.gradient(load, lag.step, axis=-1)) / load  # [1/s]
     return slip + np.where(past_edge, 0.0, lag.relaxation_time * change / slope)

@@ -13,21 +13,12 @@ from calib.base.processes import MapFunction
 from calib.car.braking import BITE
 from calib.car.effects.effects import Effects
 from calib.car.vehicle import Vehicle
+from calib.diagnosis.explanation import channels
 from calib.diagnosis.explanation.base import BASE_SIZE, Base, base_of
-from calib.diagnosis.explanation.channels import (
-    A_X,
-    CHANNELS,
-    DRIFT,
-    FRONT_REAR,
-    ChannelNoise,
-    noise_of,
-    residuals,
-    thinned,
-    whiten,
-)
+from calib.diagnosis.explanation.channels import ChannelNoise, residuals, thinned, whiten
 from calib.diagnosis.explanation.predict import ObservedRun, predict
 
-_COASTING = 1e5  # pressure at which a torque ripple counts as one of the tone ring [Pa]
+_COASTING = 1e5  # added to the pressure, so that a ripple without torque has a phase, too [Pa]
 _MARGIN = 8  # samples before the brake first bites that do not count as unbraked
 
 Tell = Callable[[str, int, int], None]
@@ -40,7 +31,7 @@ def silent(stage: str, step: int, total: int) -> None:
 
 @dataclass(frozen=True)
 class Problem:
-    """All runs of a case, their noise, and the known car."""
+    """What a hypothesis is fitted to."""
 
     vehicle: Vehicle  # with effects that act in every hypothesis
     runs: tuple[ObservedRun, ...]
@@ -64,10 +55,10 @@ class Problem:
         columns = []
         for run in self.runs:
             time = thinned(run, run.time)
-            changed = np.zeros((2, len(CHANNELS), time.size))
-            changed[0, DRIFT] = G * (time - time[0])
-            changed[1, A_X] = -1.0
-            columns.append(whiten(changed, self.noise))
+            by_offsets = np.zeros((2, len(channels.CHANNELS), time.size))  # of the residuals
+            by_offsets[0, channels.DRIFT] = G * (time - time[0])
+            by_offsets[1, channels.A_X] = -1.0
+            columns.append(whiten(by_offsets, self.noise))
         return columns
 
 
@@ -75,7 +66,8 @@ def problem_of(
     vehicle: Vehicle, runs: Sequence[ObservedRun], tell: Tell = silent, mapped: MapFunction = map
 ) -> Problem:
     """Build a problem with the noise of the unbraked parts, where base parameters hardly act."""
-    noise = unbraked_noise(vehicle, base_of(vehicle, np.zeros(BASE_SIZE)), vehicle.effects, runs)
+    usual_base = base_of(vehicle, np.zeros(BASE_SIZE))
+    noise = unbraked_noise(vehicle, usual_base, vehicle.effects, runs)
     return Problem(vehicle, with_ripple_phase(vehicle, runs, noise), noise, tell, mapped)
 
 
@@ -84,17 +76,18 @@ def with_ripple_phase(
 ) -> tuple[ObservedRun, ...]:
     """Return the runs with front wheel angles such that the front torque ripples as sin(angle).
 
-    Where the front torque is high, the car and its front wheels slow, so a_x and front less rear go
-    with -sin(angle). The ripple of a tone ring shows without torque, too, in front less rear alone:
-    `_COASTING` is added there. The waves are whitened as the residuals are, since the delay of the
-    whitening filter depends on the frequency.
+    Where the front torque is high, the car and its front wheels slow, so the channels a_x and
+    front_rear go with -sin(angle). The ripple of a tone ring shows without torque, too, but in
+    front_rear alone. The waves are whitened as the residuals are, since the delay of the whitening
+    filter depends on the frequency.
     """
     base, shifted = base_of(vehicle, np.zeros(BASE_SIZE)), []
     for run in runs:
-        torque = np.maximum(thinned(run, run.p_mc), 0.0)  # as a pressure [Pa]
+        pressure = np.maximum(thinned(run, run.p_mc), 0.0)  # stands for the torque
         turn = np.exp(1j * thinned(run, run.angle_f))
-        waves = np.zeros((len(CHANNELS), torque.size), complex)
-        waves[A_X], waves[FRONT_REAR] = torque * turn, (torque + _COASTING) * turn
+        waves = np.zeros((len(channels.CHANNELS), pressure.size), complex)
+        waves[channels.A_X] = pressure * turn
+        waves[channels.FRONT_REAR] = (pressure + _COASTING) * turn
         r = residuals(run, predict(vehicle, base, vehicle.effects, run))
         ripple = np.sum(whiten(r, noise) * whiten(waves, noise))
         angle_f = run.angle_f - float(np.angle(ripple)) - 0.5 * np.pi
@@ -106,9 +99,9 @@ def unbraked_noise(
     vehicle: Vehicle, base: Base, effects: Effects, runs: Sequence[ObservedRun]
 ) -> ChannelNoise:
     """Noise of the channels, by the residuals of ``base`` and ``effects`` in the unbraked parts."""
-    of_runs = [residuals(run, predict(vehicle, base, effects, run)) for run in runs]
+    whole = [residuals(run, predict(vehicle, base, effects, run)) for run in runs]
     unbraked = []
-    for run, r in zip(runs, of_runs, strict=True):
+    for run, r in zip(runs, whole, strict=True):
         braked = np.flatnonzero(thinned(run, run.p_mc) > 0.5 * BITE)
         unbraked.append(r[:, : max(braked[0] - _MARGIN, 0)] if braked.size else r)
-    return noise_of(unbraked, of_runs)
+    return channels.noise_of(unbraked, whole)

@@ -15,9 +15,8 @@ from calib.line.station.metrics import METRICS as OF_CAR
 def _limit(figure: str) -> Limit:
     """Return the default limit of a metric: that of the car, or else that of a stop."""
     metric = METRICS[figure]
-    of_car = metric.low, metric.high, metric.warn_low, metric.warn_high
-    has_limit = any(end is not None for end in of_car)
-    return Limit(figure, *(of_car if has_limit else metric.stop), metric.required)
+    has_limit = any(end is not None for end in metric.car)
+    return Limit(figure, *(metric.car if has_limit else metric.stop), metric.required)
 
 
 _JUDGED = [figure for figure, metric in METRICS.items() if metric.judged]

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from calib.base.arrays import Array, Mask
-from calib.base.plain import limit_of, meanings
+from calib.base.plain import meanings, metric_of
 from calib.base.warning import LIMITS
 from calib.car.balance import front_biased_up_to
 from calib.car.braking import MOVING
@@ -50,8 +50,7 @@ def metrics_of(
         "ramp_eta_zero": _largest(mismatches),
         "pad_scale": pads.pad_scale.value,
         "pad_ratio": float(np.exp(pads.pad_log_ratio.value)),
-        # the value `cut` stands for all larger values
-        "front_biased_up_to": min(front_biased_up_to(car), limit_of("front_biased_up_to", "cut")),
+        "front_biased_up_to": min(front_biased_up_to(car), metric_of("front_biased_up_to").cut),
     }
     for axle in "fr":
         differences = [side_difference(table, run, axle) for run in runs]
