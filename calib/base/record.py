@@ -15,18 +15,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, Literal, TypeVar
 
-from pydantic import (
-    BaseModel,
-    ConfigDict,
-    Field,
-    GetCoreSchemaHandler,
-    GetJsonSchemaHandler,
-    PrivateAttr,
-    ValidationError,
-    ValidatorFunctionWrapHandler,
-    create_model,
-    model_validator,
-)
+import pydantic
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
 from pydantic_core import CoreSchema, core_schema
 
@@ -56,11 +46,11 @@ class FileSchema(Section):
 class ByName(Section):
     """A table in which every key is optional, and which keeps the order of the file."""
 
-    _order: tuple[str, ...] = PrivateAttr(())
+    _order: tuple[str, ...] = pydantic.PrivateAttr(())
 
-    @model_validator(mode="wrap")
+    @pydantic.model_validator(mode="wrap")
     @classmethod
-    def _keep_order(cls, data: Any, handler: ValidatorFunctionWrapHandler) -> "ByName":
+    def _keep_order(cls, data: Any, handler: pydantic.ValidatorFunctionWrapHandler) -> "ByName":
         table: ByName = handler(data)
         table._order = tuple(data)
         return table
@@ -81,7 +71,7 @@ def section(
     fields: dict[str, Any] = {}
     for name, (kind, default) in keys.items():
         fields[name] = (kind | None, None) if default is None else (kind, default)
-    return create_model(title, __base__=base, __doc__=about, **fields)
+    return pydantic.create_model(title, __base__=base, __doc__=about, **fields)
 
 
 def by_name(title: str, entries: Mapping[str, Any], about: str) -> type[ByName]:
@@ -117,11 +107,13 @@ class QuantityMark:
     def _range(self) -> str:
         return f"{self.low:g} to {self.high:g}{unit_suffix(self.si or '1')}"
 
-    def __get_pydantic_core_schema__(self, _: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+    def __get_pydantic_core_schema__(
+        self, _: Any, handler: pydantic.GetCoreSchemaHandler
+    ) -> CoreSchema:
         return core_schema.no_info_plain_validator_function(self.read)
 
     def __get_pydantic_json_schema__(
-        self, core: CoreSchema, handler: GetJsonSchemaHandler
+        self, core: CoreSchema, handler: pydantic.GetJsonSchemaHandler
     ) -> JsonSchemaValue:
         bounded = {"description": self._range} if math.isfinite(self.high) else {}
         if self.si in ("1", None):
@@ -142,11 +134,13 @@ class OneOf:
             raise wrong(shortened(written), f"one of {', '.join(map(repr, self.choices))}", hint)
         return written
 
-    def __get_pydantic_core_schema__(self, _: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+    def __get_pydantic_core_schema__(
+        self, _: Any, handler: pydantic.GetCoreSchemaHandler
+    ) -> CoreSchema:
         return core_schema.no_info_plain_validator_function(self.read)
 
     def __get_pydantic_json_schema__(
-        self, core: CoreSchema, handler: GetJsonSchemaHandler
+        self, core: CoreSchema, handler: pydantic.GetJsonSchemaHandler
     ) -> JsonSchemaValue:
         return {"enum": list(self.choices)}
 

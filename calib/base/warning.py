@@ -151,19 +151,13 @@ def rule_warnings(
     for measured in values:
         for rule in _BY_CODE[measured.code]:
             applies = rule.consequence in consequences and purpose in (None, *rule.purposes)
-            low, high = _range(rule, measured.sigma)
+            low, high, margin = rule.low, rule.high, rule.sigmas * measured.sigma
+            if margin != 0.0:
+                low, high = min(low, -margin), max(high, margin)
             if applies and (measured.value < low or measured.value > high):
                 warnings.append(_warning(rule, log, measured, low, high))
                 break
     return tuple(warnings)
-
-
-def _range(rule: _Rule, sigma: float) -> tuple[float, float]:
-    """The range of a rule, widened to ``rule.sigmas`` standard deviations about zero."""
-    margin = rule.sigmas * sigma
-    if margin == 0.0:
-        return rule.low, rule.high
-    return min(rule.low, -margin), max(rule.high, margin)
 
 
 def _warning(

@@ -1,10 +1,8 @@
 """The diagnosis of a car: find the gap, name its cause, add it, measure the gap on hold-outs.
 
-calibration logs --> problem --> search <-- hold-outs judge
-|
-+--> verdict, with a term if something is left
-|
-+--> model, replays, gap
+    calibration logs --problem_of--> Problem --run_search--> Search --verdict_of--> Verdict
+
+The hold-outs judge the search. The verdict has an empirical term if no effect explains the logs.
 """
 
 from calib.base.errors import ModelError
@@ -12,19 +10,12 @@ from calib.base.processes import MapFunction, one_blas_thread
 from calib.car.effects.catalogue import definition
 from calib.car.effects.effect import SLOWING, acts_on
 from calib.car.vehicle import Vehicle
+from calib.diagnosis import runs
 from calib.diagnosis.diagnosis import Diagnosis
 from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.problem import Tell, problem_of, silent
 from calib.diagnosis.named import base_estimates, named
 from calib.diagnosis.replays import Replayed, gap_of, model_of
-from calib.diagnosis.runs import (
-    LARGEST,
-    USUAL,
-    checked,
-    require_right_axles,
-    unexplained_warnings,
-    with_even_sides,
-)
 from calib.diagnosis.search import run_search
 from calib.diagnosis.verdict import Verdict, unexplained_of, verdict_of
 from calib.logs.log import Log
@@ -41,6 +32,9 @@ def diagnose(
 ) -> Diagnosis:
     """Find where a car and its model disagree, name the missing effect, and confirm it.
 
+    The mean left and right wheel speeds of the unbraked parts are made equal first. The
+    ``model_after`` of the result is the car with the identified effects, for `calib.simulate`.
+
     Parameters
     ----------
     vehicle : the car as its datasheet has it; it may have effects that the catalogue lacks, see
@@ -52,14 +46,9 @@ def diagnose(
     mapped : a `map` that may work in several processes, see `calib.base.processes.parallel_map`.
         Effects of the user, which other processes do not know, are tried in this one.
 
-    Returns
-    -------
-    The diagnosis. Its ``model_after`` is the car with the identified effects, for `calib.simulate`.
-    The mean left and right wheel speeds of the unbraked parts are made equal first.
-
-    Raises LogError if there is no hold-out, if nothing in the logs is braked, and for a log that
-    looks like a mistake: a run that is given twice, also as a copy; a log whose channels `check`
-    refuses; a log of another car; wheel speeds that are swapped; a pressure of another run.
+    Raises LogError for too few logs, if nothing in the logs is braked, and for a log that looks
+    like a mistake: a run that is given twice, channels that `check` refuses, another car, wheel
+    speeds that are swapped, a pressure of another run.
 
     >>> import calib
     >>> case = calib.sample_logs() / "hidden" / "case_0"
@@ -73,23 +62,23 @@ def diagnose(
     True
     """
     tell("checking the logs", 0, 1)
-    warnings = checked(vehicle, calibration, holdout)
+    warnings = runs.checked(vehicle, calibration, holdout)
     in_order = [*sorted(calibration, key=lambda log: log.digest), *holdout]
     recorded, count = [without_holds(log) for log in in_order], len(calibration)
     known_to_all = map if vehicle.effects.user_defined else mapped
-    for largest in (LARGEST, USUAL):
-        logs, taken_out = with_even_sides(recorded, largest)
-        runs = [run_of(log) for log in logs[:count]]
-        search = run_search(problem_of(vehicle, runs, tell, known_to_all), logs[count:])
-        require_right_axles(search, logs, warnings)
+    for largest in (runs.LARGEST, runs.USUAL):
+        logs, taken_out = runs.with_even_sides(recorded, largest)
+        observed = [run_of(log) for log in logs[:count]]
+        search = run_search(problem_of(vehicle, observed, tell, known_to_all), logs[count:])
+        runs.require_right_axles(search, logs, warnings)
         tell("replaying the hold-outs", 0, 1)
         verdict = verdict_of(search)
         # a large difference may be a brake that drags on one wheel: then it is not taken out
         effects = (definition(vehicle.effects, name) for name in verdict.best.names)
         may_drag = any(acts_on(x, SLOWING) for x in effects) or verdict.term is not None
-        if taken_out <= USUAL or not may_drag:
+        if taken_out <= runs.USUAL or not may_drag:
             break
-    best, last = verdict.best, _with_term(verdict)
+    best, last = verdict.best, _last_replays(verdict)
     unexplained = None
     if verdict.term is not None:
         unexplained = unexplained_of(best, verdict.term, search.gap(verdict.after).rms_after)
@@ -110,19 +99,20 @@ def diagnose(
         reduced_after=last.simulated.mean_square if unexplained else best.mean_square,
         withdrawn=tuple(dict.fromkeys(withdrawn)),
         steps=tuple(search.steps),
-        warnings=unexplained_warnings(
+        warnings=runs.unexplained_warnings(
             warnings, unexplained=unexplained is not None, grouped=bool(best.hypothesis.groups)
         ),
     )
 
 
-def _with_term(verdict: Verdict) -> Replayed:
-    """Replay with the empirical term; return the replays without it if it does not help."""
+def _last_replays(verdict: Verdict) -> Replayed:
+    """Return the replays with the empirical term, or those without if it does not close the gap."""
+    without = verdict.after
     if verdict.term is None:
-        return verdict.after
+        return without
     try:
-        last = verdict.search.replayed(verdict.term)
+        with_term = verdict.search.replayed(verdict.term)
     except ModelError:  # a car with such a term need not have an equilibrium
-        return verdict.after
-    helps = gap_of(verdict.after.logs, last.logs, verdict.search.holdouts.logs).closed > 0.0
-    return last if helps else verdict.after
+        return without
+    gap = gap_of(without.logs, with_term.logs, verdict.search.holdouts.logs)
+    return with_term if gap.closed > 0.0 else without

@@ -21,7 +21,7 @@ from calib.logs.write import write_csv
 
 _DOCUMENT, _MODEL, _REPORT = "diagnosis.json", "model.toml", "report.html"
 # units of the fields that are ranges
-_RANGES = {"pressure": "Pa", "speed": "m/s", "temperature": "degC", "time": "s"}
+_RANGES = {"pressure": "Pa", "speed": "m/s", "temperature": "degC"}
 
 
 @dataclass(frozen=True)
@@ -54,10 +54,10 @@ class Evidence:
 
 @dataclass(frozen=True)
 class RunnerUp:
-    """Effects of the best fit without a named one, and the fall of the mean square by them [1]."""
+    """The most probable fit without an effect that is named."""
 
-    name: str
-    innovation_gain: float
+    name: str  # of its effects, with " + " between them
+    innovation_gain: float  # fall of the mean squared innovation by these effects [1]
 
 
 @dataclass(frozen=True)
@@ -118,21 +118,16 @@ def to_dict(diagnosis: Diagnosis) -> dict[str, Any]:
     return document
 
 
-def _plain(value: Any) -> Any:
+def _plain(value: Any, unit: str = "") -> Any:
     """Return a value as JSON types: a record by its fields, a range with its unit."""
     if is_dataclass(value):
         value = {field.name: getattr(value, field.name) for field in fields(value)}
     if isinstance(value, Mapping):
-        return {key: _plain_field(key, part) for key, part in value.items()}
+        return {key: _plain(part, _RANGES.get(key, "")) for key, part in value.items()}
     if isinstance(value, list | tuple):
-        return [_plain(part) for part in value]
+        parts = [_plain(part) for part in value]
+        return {"range": parts, "unit": unit} if unit else parts
     return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
-def _plain_field(key: str, value: Any) -> Any:
-    if key in _RANGES and isinstance(value, tuple):
-        return {"range": _plain(value), "unit": _RANGES[key]}
-    return _plain(value)
 
 
 def _gap(gap: Gap) -> dict[str, Any]:

@@ -1,6 +1,7 @@
 """All fits of a search by their hypotheses, and the density of the hold-outs given each of them.
 
-Odds and gains are differences of ln of the evidence, prices included.
+Gains are differences of ln of the evidence, prices included. A promise is a hypothesis with its
+evidence by a linear model, before it is fitted (`calib.diagnosis.rank`).
 """
 
 from collections.abc import Iterable, Sequence
@@ -10,19 +11,19 @@ from functools import partial
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.diagnosis.explanation.base import BASE_SIZE
 from calib.diagnosis.explanation.fit import Fit, linearised
 from calib.diagnosis.explanation.gauss_newton import ROUGH, fit_logs
 from calib.diagnosis.explanation.hypothesis import FADE, Hypothesis, State, start_of
 from calib.diagnosis.explanation.problem import Problem
+from calib.diagnosis.explanation.unknowns import BASE_SIZE
 from calib.diagnosis.rank import Promise
-from calib.diagnosis.replays import placed
+from calib.diagnosis.replays import holdout_effects
 
-_PRUNED = 20.0  # largest gain of ln of the evidence by leaving out what is not worth its price
-_PROMISED = 3.0  # how far a fit may fall behind its promise before it is fitted again
-_WORTH, _WORTH_SHARE = 100.0, 0.01
-"""Worth of an effect below which a fit without it is tried: a number, and a share of the gain over
-the base, since the linear model may be wrong by that."""
+_PRUNING_GAIN = 20.0  # largest gain by leaving out what is not worth its price
+_SHORTFALL = 3.0  # how far a fit may fall behind its promise before it is fitted again
+_DOUBTFUL, _DOUBTFUL_SHARE = 100.0, 0.01
+"""Worth of an effect below which a fit without it is tried: a number, plus a share of the gain over
+the base, since the linear model may be wrong by that share."""
 
 
 @dataclass
@@ -33,17 +34,17 @@ class Fits:
     holdouts: Problem
     base: Fit = field(init=False)  # without effects
     fitted: dict[object, Fit] = field(default_factory=dict)
-    densities: dict[object, float] = field(default_factory=dict)  # ln of those of the hold-outs
-    attempts: set[object] = field(default_factory=set)  # pairs of keys: a part, and the hypothesis
+    densities: dict[object, float] = field(default_factory=dict)  # as `density` returns them
+    attempts: set[object] = field(default_factory=set)  # keys of a part and of its whole, fitted
 
     def __post_init__(self) -> None:
         self.base = fit_logs(self.problem, Hypothesis(), start_of(self.problem))
         self.add(self.base)
 
     def is_known(self, hypothesis: Hypothesis, promised: float) -> bool:
-        """Whether a fit is stored whose evidence is not far below the ``promised`` one."""
+        """Whether a fit is stored whose ln of the evidence is not far below ``promised``."""
         fit = self.fitted.get(hypothesis.key)
-        return fit is not None and fit.log_evidence > promised - _PROMISED
+        return fit is not None and fit.log_evidence > promised - _SHORTFALL
 
     def add(self, fit: Fit) -> None:
         """Store a fit, unless an earlier fit of the same hypothesis is more probable."""
@@ -53,7 +54,7 @@ class Fits:
             self.densities.pop(key, None)
 
     def best_of(self, tops: Sequence[Promise], near: Fit, least: float = -np.inf) -> list[Fit]:
-        """Fit what is promised, from the columns of ``near``; best first.
+        """Fit the promises ``tops``, from the columns of ``near``; best first.
 
         Fits that may be the best are pruned. A fit ends if ln of its evidence is below ``least``.
         """
@@ -65,24 +66,26 @@ class Fits:
         for fit in self.problem.mapped(job, unknown):
             self.add(replace(fit, problem=self.problem))
         fits = sorted((self.fitted[p.hypothesis.key] for p in tops), key=lambda f: -f.log_evidence)
-        to_prune = max((fit.log_evidence for fit in fits), default=0.0) - _PRUNED
+        to_prune = max((fit.log_evidence for fit in fits), default=0.0) - _PRUNING_GAIN
         return [self.pruned(fit) if fit.log_evidence > to_prune else fit for fit in fits]
 
     def pruned(self, fit: Fit) -> Fit:
         """Leave out groups and effects not worth their price, as long as that is better."""
         while True:
-            worth = _WORTH + _WORTH_SHARE * (fit.log_evidence - self.base.log_evidence)
-            doubtful = [name for name in fit.names if fit.worth_of(name) < worth]
+            doubtful_worth = _DOUBTFUL
+            doubtful_worth += _DOUBTFUL_SHARE * (fit.log_evidence - self.base.log_evidence)
+            doubtful = [name for name in fit.names if fit.worth_of(name) < doubtful_worth]
             better = max(self.fewer(fit, doubtful), key=lambda f: f.log_evidence, default=fit)
             if better.log_evidence <= fit.log_evidence:
                 return fit
             fit = better
 
     def fewer(self, fit: Fit, names: Iterable[str]) -> list[Fit]:
-        """Fit without each of these effects of ``fit``, and without each of its groups."""
+        """Fit without each of these effects of ``fit`` in turn, then without each of its groups."""
         parts, groups = [], fit.hypothesis.groups
         for name in names:
             others = tuple(n for n in fit.names if n != name)
+            # heats of discs act through the fade alone
             part = Hypothesis(others, groups - {"heat"} if name == FADE else groups)
             parts.append(self._part(fit, part, fit.log_evidence - fit.worth_of(name)))
         for group in groups:
@@ -106,18 +109,19 @@ class Fits:
             self.add(fit_logs(self.problem, part, state, near, tolerance=ROUGH))
         return self.fitted[part.key]
 
-    def value(self, fit: Fit) -> float:
+    def evidence_of_all(self, fit: Fit) -> float:
         """ln of the evidence of all logs: those of the problem and the hold-outs."""
         return fit.log_evidence + self.density(fit)
 
     def density(self, fit: Fit) -> float:
-        """ln of the density of the hold-outs given the other logs, by one linear model of both.
+        """ln of the density of the hold-outs given the other logs, up to a constant.
 
-        The model is linear about the random effects that fit the hold-outs; a constant is left out.
+        It follows from one linear model of all logs, about the best random effects of the
+        hold-outs.
         """
         key, holdouts = fit.hypothesis.key, self.holdouts
         if key not in self.densities:
-            state = replace(fit.state, random_effects=placed(holdouts, fit))
+            state = replace(fit.state, random_effects=holdout_effects(holdouts, fit))
             held_out = linearised(holdouts, fit.hypothesis, state)
             together = fit.marginal([*fit.products, *held_out.products])
             gain = together.evidence() - fit.marginal().evidence()

@@ -1,8 +1,8 @@
 """Describe a fit: its effects by name, its base, and the drive that separates it from a rival.
 
-    columns of the logs + columns of a drive --> less what pads, tyres, effects explain --> sigma
-
-The drive is chosen by the linear model, which for large effects is right in the order of magnitude.
+The drive is the one in which the predictions of both fits differ most, less what pads, tyres and
+effects can explain, by the linear model of all logs and the drive. For large effects this is right
+in the order of magnitude.
 """
 
 from collections.abc import Iterable
@@ -18,12 +18,12 @@ from calib.car.effects.catalogue import definition
 from calib.car.effects.effect import AT_WHEELS, acts_on
 from calib.car.effects.effects import Effects
 from calib.diagnosis.diagnosis import Evidence, Named, ParameterEstimate, RunnerUp, Where
-from calib.diagnosis.explanation.base import PADS, RANDOM_EFFECTS, Base
 from calib.diagnosis.explanation.channels import CHANNELS, by_channel, residuals, thinned, whiten
 from calib.diagnosis.explanation.fit import Fit, innovations, linearised, runs_of
 from calib.diagnosis.explanation.gaussian import Products
 from calib.diagnosis.explanation.hypothesis import base_and_effects
 from calib.diagnosis.explanation.predict import ObservedRun, predict, run_of
+from calib.diagnosis.explanation.unknowns import PADS, RANDOM_EFFECTS, Base
 from calib.diagnosis.search import Search
 from calib.diagnosis.verdict import Verdict
 from calib.logs.log import Log
@@ -43,7 +43,8 @@ def _intervals(fit: Fit) -> list[tuple[Base, Effects]]:
     """Base and effects at the lower ends of the 95 % intervals, the estimates, the upper ends.
 
     Tyre discrepancies and random effects are marginalised. Intervals are wider if more than noise
-    is left, and end at the bounds of the prior. The uncertainty of pads includes that of the mass.
+    is left. They include the uncertainty of the mass in the pads, and end at the bounds of the
+    prior.
     """
     half = Z95 * np.sqrt(np.maximum(np.diag(fit.covariance), 0.0) * max(fit.mean_square, 1.0))
     half[PADS] = np.hypot(half[PADS], Z95 * fit.problem.vehicle.mass_tolerance)
@@ -67,7 +68,7 @@ def named(verdict: Verdict) -> tuple[Named, ...]:
     """Describe every effect of the best fit, with evidence, and names that are as likely."""
     best, search = verdict.best, verdict.search
     ends = [effects for _, effects in _intervals(best)]
-    logs = (best.runs, runs_of(search.holdouts.problem, verdict.after.random_effects))
+    holdout_runs = runs_of(search.holdouts.problem, verdict.after.random_effects)
     others = {name for rival in verdict.rivals for name in rival.names} - set(best.names)
     separate = ""
     if verdict.rivals:
@@ -75,27 +76,33 @@ def named(verdict: Verdict) -> tuple[Named, ...]:
         separate = f"{drive} ({sigma:.0f} sigma apart)"
     collected = []
     for name in best.names:
-        # the effect as the vehicle file has it, if at all
+        # the effect is left out, or as the vehicle file has it
         without = best.effects.without(name).with_(best.problem.vehicle.effects.only(name))
-        rises = (
-            _mean_square(best, without, runs) - _mean_square(best, best.effects, runs)
-            for runs in logs
-        )
+        parameters = {
+            p.name: _estimate((e.parameters[name][p.name] for e in ends), p.unit)
+            for p in definition(best.effects, name).card.parameters
+        }
         collected.append(
             Named(
-                name=name,
-                parameters={
-                    p.name: _estimate((e.parameters[name][p.name] for e in ends), p.unit)
-                    for p in definition(best.effects, name).card.parameters
-                },
+                name,
+                parameters,
                 where=_where(best, name, without),
-                evidence=Evidence(*rises),
+                evidence=Evidence(*(_rise(best, without, x) for x in (best.runs, holdout_runs))),
                 runner_up=_runner_up(search, name),
                 indistinguishable_from=tuple(sorted(others)),
                 separate_by=separate,
             )
         )
     return tuple(collected)
+
+
+def _rise(fit: Fit, without: Effects, runs: list[ObservedRun]) -> float:
+    """Rise of the mean squared innovation of ``runs`` if only the effects ``without`` act [1]."""
+    full, less = (
+        np.concatenate([innovations(fit.problem, fit.base, effects, run) for run in runs])
+        for effects in (fit.effects, without)
+    )
+    return float(less @ less) / less.size - float(full @ full) / full.size
 
 
 def _runner_up(search: Search, name: str) -> RunnerUp | None:
@@ -112,29 +119,22 @@ def _estimate(ends: Iterable[float], unit: str) -> ParameterEstimate:
     return ParameterEstimate(value, unit, (low, high))
 
 
-def _mean_square(fit: Fit, effects: Effects, runs: list[ObservedRun]) -> float:
-    """Mean squared innovation of ``runs`` with these ``effects``, all else as in a fit."""
-    r = np.concatenate([innovations(fit.problem, fit.base, effects, run) for run in runs])
-    return float(r @ r) / r.size
-
-
 def _where(fit: Fit, name: str, without: Effects) -> Where:
-    """Find where an effect acts, by what changes ``without`` it.
+    """Find where an effect acts, by the changes of predictions ``without`` the effect.
 
-    Channel and ranges are those of the largest changes, the axle that whose wheel speeds change.
+    Channel and ranges are those of the largest changes. The axle is that whose wheel speeds change.
     """
     vehicle, wheels, rows = fit.problem.vehicle, np.zeros(len(WHEELS)), []
     for run in fit.runs:
-        full, less = (
-            predict(vehicle, fit.base, effects, run) for effects in (fit.effects, without)
-        )
+        full = predict(vehicle, fit.base, fit.effects, run)
+        less = predict(vehicle, fit.base, without, run)
         wheels += np.sum((less.omega - full.omega) ** 2, axis=1)
         change = whiten(residuals(run, less) - residuals(run, full), fit.problem.noise)
         power = by_channel(change**2)
         heat = np.zeros_like(run.v) if run.temperature_f is None else run.temperature_f
         drivers = thinned(run, np.stack([run.p_mc, run.v, heat]))
         rows.append(np.vstack([power, drivers[:, -power.shape[1] :]]))
-    power, drivers = np.split(np.hstack(rows), [len(CHANNELS)])
+    power, drivers = np.split(np.hstack(rows), [len(CHANNELS)])  # of all runs, (6, n) and (3, n)
     pressure, speed, temperature = (_range_of(x, np.sum(power, axis=0)) for x in drivers)
     is_heat_logged = all(run.temperature_f is not None for run in fit.runs)
     axle = "body"
@@ -161,19 +161,22 @@ def _range_of(driver: Array, weight: Array) -> tuple[float, float]:
 
 
 def best_drive(fit: Fit, other: Fit) -> tuple[str, float]:
-    """Return the drive that best separates two fits, and the distance of the fits then [sigma]."""
+    """Return the drive that best separates two fits, and the distance of the fits then [sigma].
+
+    The squared distance is the information on a share of the change from one fit to the other.
+    """
     problem = replace(fit.problem, runs=manoeuvres(fit))
     random_effects = np.zeros((len(problem.runs), len(RANDOM_EFFECTS)))
     state = replace(fit.state, random_effects=random_effects)
     driven = linearised(problem, fit.hypothesis, state)
-    logs, drives = (_products(present, other) for present in (fit, driven))
+    logs, drives = _products(fit, other), _products(driven, other)
     squares = [fit.marginal([*logs, drive]).eliminated()[0].item() for drive in drives]
     best = int(np.argmax(squares))
     return problem.runs[best].source, float(np.sqrt(max(squares[best], 0.0)))
 
 
 def _products(fit: Fit, other: Fit) -> list[Products]:
-    """Inner products of each log, with the change by another fit as a further column."""
+    """Inner products of each log, with the change to the ``other`` fit as a further column."""
     changes = [
         innovations(fit.problem, other.base, other.effects, run, lag) - r
         for run, lag, r in zip(fit.runs, fit.lags, fit.innovations, strict=True)
@@ -185,8 +188,8 @@ def manoeuvres(fit: Fit) -> tuple[ObservedRun, ...]:
     """Return the `_DRIVES` as runs with a rough course of speed: 70 bar make 1 g."""
     has_heat, runs = fit.problem.runs[0].temperature_f is not None, []
     time = 0.01 * np.arange(1200)
-    for name, (v0, most, rise, period) in _DRIVES.items():
-        p = BAR * np.clip(rise * (time % period - 1.0), 0.0, most)
+    for name, (v0, p_max, rise, period) in _DRIVES.items():
+        p = BAR * np.clip(rise * (time % period - 1.0), 0.0, p_max)
         z = p / 70e5
         v = np.maximum(v0 - 0.01 * np.cumsum(z * G), 2.0)
         channels = {"time": time, "p_mc": p, "a_x": -z * G, "v": v}

@@ -2,9 +2,10 @@
 
     fit --trials--> changes of the innovations --promises--> hypotheses with their evidence
 
-An effect has a column for each point of its parameters at which it is tried. The evidence of single
-effects, pairs and triples, with logs that differ in any groups of random effects, is then linear
-algebra of some ten rows.
+A trial is an effect at a point of its parameters, which changes the innovations. In the linear
+model the changes are proportional to the amount of the trial. So the evidence of single effects,
+pairs and triples, with logs that differ in any groups of random effects, is linear algebra of some
+ten rows, with a column for each trial.
 """
 
 import math
@@ -18,15 +19,15 @@ from numpy.typing import NDArray
 
 from calib.base.arrays import Array
 from calib.car.effects.catalogue import all_effects
-from calib.diagnosis.explanation.base import GROUPS, random_sigmas
 from calib.diagnosis.explanation.fit import Fit, predict_all
 from calib.diagnosis.explanation.gaussian import Products
 from calib.diagnosis.explanation.hypothesis import FADE, STRENGTH, Hypothesis, State, elements_of
+from calib.diagnosis.explanation.unknowns import GROUPS, random_sigmas
 
 Names = NDArray[np.str_]
 
-_WIDE = 40  # pairs to which a third effect is added
-_LEAST, _MOST = 0.3, 4.0  # factors on the strength of a trial from which a fit may begin [1]
+_MAX_PAIRS = 40  # number of pairs to which a third effect is added
+_MIN_AMOUNT, _MAX_AMOUNT = 0.3, 4.0  # factors on the strength of a trial where a fit may begin [1]
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,7 @@ class Promise:
 
     hypothesis: Hypothesis
     log_evidence: float
-    state: State  # from which it is fitted
+    state: State  # where its fit begins
 
 
 @dataclass(frozen=True)
@@ -60,7 +61,7 @@ def trials(fit: Fit, names: Iterable[str] | None = None) -> list[Trial]:
 
 
 def _trials_of(fit: Fit, name: str) -> list[Trial]:
-    """Try an effect at full strength of either sign, with each further parameter a spread off."""
+    """Try an effect at a strength of x = 1 and -1, also with each further parameter at 1 and -1."""
     elements = elements_of(fit.problem.vehicle.effects, name)
     unit = np.eye(len(elements))
     wider = replace(fit.hypothesis, names=(*fit.names, name))
@@ -70,7 +71,7 @@ def _trials_of(fit: Fit, name: str) -> list[Trial]:
         point = sign * unit[0] + shift
         if all(e.low <= x <= e.high for e, x in zip(elements, point, strict=True)):
             state = replace(fit.state, x=np.append(fit.state.x, point))
-            moved = predict_all(fit.problem, wider, state, fit.lags)[1]
+            _, moved = predict_all(fit.problem, wider, state, fit.lags)
             changes = [a - b for a, b in zip(moved, fit.innovations, strict=True)]
             collected.append(Trial(name, point, changes))
     return collected
@@ -79,7 +80,10 @@ def _trials_of(fit: Fit, name: str) -> list[Trial]:
 def promises(
     fit: Fit, further: Iterable[Trial], most: int = 3, more_groups: bool = False
 ) -> list[Promise]:
-    """Rank ``fit`` with up to ``most`` further effects, and ``more_groups`` or not; best first."""
+    """Rank ``fit`` with up to ``most`` of the trials ``further``; best first.
+
+    With ``more_groups`` logs may differ in further groups, too.
+    """
     tried = [trial for trial in further if trial.name not in fit.names]
     by_log = zip(*(trial.changes for trial in tried), strict=True)
     products = fit.products_with([np.stack(of_log) for of_log in by_log])
@@ -106,38 +110,37 @@ def _promised(
         hypothesis = Hypothesis((*fit.names, *(trial.name for trial in chosen)), groups)
         points = [trial.point.copy() for trial in chosen]
         for point, amount in zip(points, subset.amounts, strict=True):
-            point[0] *= min(max(amount, _LEAST), _MOST)
+            point[0] *= min(max(amount, _MIN_AMOUNT), _MAX_AMOUNT)
         state = replace(fit.state, x=np.concatenate([fit.state.x, *points]))
         gain = subset.log_gain - hypothesis.price(len(products))
         yield Promise(hypothesis, without + gain, state)
 
 
 def _groups(fit: Fit, more_groups: bool) -> Iterator[frozenset[str]]:
-    """The groups of ``fit``, with any further ones; discs differ in heat only where pads fade."""
+    """The groups of ``fit``; with ``more_groups`` also together with any further groups."""
     groups = fit.hypothesis.groups
-    further = [
-        group
-        for group in GROUPS
-        if more_groups and group not in groups and (group != "heat" or FADE in fit.names)
-    ]
+    further = [group for group in GROUPS if group not in groups] if more_groups else []
+    if "heat" in further and FADE not in fit.names:
+        further.remove("heat")  # heats of discs act through the fade alone
     subsets = chain.from_iterable(combinations(further, k) for k in range(len(further) + 1))
     return (groups | frozenset(subset) for subset in subsets)
 
 
 @dataclass(frozen=True)
 class _Subset:
-    """Some ``columns``, their ``amounts``, and the gain of ln of the evidence before the price."""
+    """Some ``columns`` of trials, their ``amounts`` [1], and the gain of ln of the evidence."""
 
     columns: tuple[int, ...]
     amounts: tuple[float, ...]
-    log_gain: float
+    log_gain: float  # before the price
 
 
 def _ranked(E: Array, g: Array, names: Names, most: int) -> list[_Subset]:
-    """Single columns, pairs and triples of different effects, the best for each set of effects.
+    """Subsets of up to ``most`` columns of different effects, the best for each set of effects.
 
     ``E`` (c, c) and ``g`` (c,) are those of `Marginal.eliminated`, ``names`` (c,) the effects of
-    the columns. Amounts are positive: the other sign of an effect is another column.
+    the columns. Amounts are positive: the other sign of an effect is another column. Each has a
+    normal prior with the standard deviation `STRENGTH`.
     """
     A = E + np.eye(g.size) / STRENGTH**2
     subsets: list[_Subset] = []
@@ -151,32 +154,32 @@ def _ranked(E: Array, g: Array, names: Names, most: int) -> list[_Subset]:
         if size == 0:
             starts = [(k,) for k in range(g.size)]
         else:
-            starts = [subset.columns for subset in list(best.values())[:_WIDE]]
+            starts = [subset.columns for subset in list(best.values())[:_MAX_PAIRS]]
     return subsets
 
 
 def _extended(A: Array, g: Array, names: Names, columns: tuple[int, ...]) -> list[_Subset]:
-    """Some columns with one further column, the best of each name, if all amounts are positive.
+    """The j ``columns`` with a further column, the best of each name, if all amounts are positive.
 
-    The amounts solve A x = g; a Schur complement gives the last one, for all columns at once.
+    The amounts solve A x = g. A Schur complement gives that of the further column, for each of the
+    c columns at once.
     """
     fixed = list(columns)
     inside, d = A[np.ix_(fixed, fixed)], np.diag(A)
-    K = np.linalg.solve(inside, A[fixed])
-    schur = d - np.sum(A[fixed] * K, axis=0)
+    K = np.linalg.solve(inside, A[fixed])  # (j, c)
+    schur = d - np.sum(A[fixed] * K, axis=0)  # (c,)
     use = (schur > 1e-9 * d) & ~np.isin(names, names[fixed])
     projected, schur = g - g[fixed] @ K, np.where(use, schur, 1.0)
-    last, alone = projected / schur, np.linalg.solve(inside, g[fixed])
-    others = alone[:, None] - K * last
-    fall = g[fixed] @ alone + projected * last
+    amount, alone = projected / schur, np.linalg.solve(inside, g[fixed])  # (c,), (j,)
+    others = alone[:, None] - K * amount  # amounts of the j columns beside each (j, c)
+    fall = g[fixed] @ alone + projected * amount
     log_determinant = np.linalg.slogdet(inside)[1] + np.log(schur)
     log_prior = (len(fixed) + 1) * math.log(STRENGTH)
-    good = use & (last > 0.0) & np.all(others > 0.0, axis=0)
-    gain = np.where(good, 0.5 * (fall - log_determinant) - log_prior, -np.inf)
-    order = np.argsort(-gain)
-    order = order[np.isfinite(gain[order])]
-    best_of_each_name = np.sort(np.unique(names[order], return_index=True)[1])
-    return [
-        _Subset((*columns, k), (*others[:, k].tolist(), float(last[k])), float(gain[k]))
-        for k in order[best_of_each_name].tolist()
-    ]
+    is_allowed = use & (amount > 0.0) & np.all(others > 0.0, axis=0)
+    gain = np.where(is_allowed, 0.5 * (fall - log_determinant) - log_prior, -np.inf)
+    best: dict[str, _Subset] = {}
+    for k in np.argsort(-gain).tolist():
+        if is_allowed[k] and names[k] not in best:
+            amounts = (*others[:, k].tolist(), float(amount[k]))
+            best[names[k]] = _Subset((*columns, k), amounts, float(gain[k]))
+    return list(best.values())

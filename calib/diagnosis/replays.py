@@ -4,8 +4,8 @@
 
 A replay uses the pressures, the first speed, logged torques of motors and temperatures of discs,
 and, for a ripple alone, the angle of the wheels. So an error of force, which an innovation of one
-step hides, adds up in v. The variance of the noise of a channel is subtracted from the mean square
-of the difference, so that a perfect model has no gap.
+step hides, adds up in v. The gap is the mean square of replay less measurement, less the variance
+of the noise, so that a perfect model has no gap.
 """
 
 from collections.abc import Sequence
@@ -19,40 +19,40 @@ from calib.base.names import WHEELS
 from calib.car.effects.effects import Effects
 from calib.car.model import Model
 from calib.car.vehicle import Vehicle
-from calib.diagnosis.explanation.base import RANDOM_EFFECTS, SLOPE, ZERO, Base
 from calib.diagnosis.explanation.fit import Fit, random_derivatives, runs_of
 from calib.diagnosis.explanation.gauss_newton import fit_logs
 from calib.diagnosis.explanation.gaussian import Products
 from calib.diagnosis.explanation.hypothesis import State
 from calib.diagnosis.explanation.problem import Problem
+from calib.diagnosis.explanation.unknowns import RANDOM_EFFECTS, SLOPE, ZERO, Base
 from calib.logs.log import Log
 from calib.model.simulate import replay
 
 UNITS = {"a_x": "m/s^2", **{f"omega_{w}": "rad/s" for w in WHEELS}, "v": "m/s"}
-CHANNELS = tuple(UNITS)
+CHANNELS = tuple(UNITS)  # of a replay
 
-_LONGEST = 0.2
-"""Longest time [s] between two samples whose differences show noise: twice the correlation time of
-the noise that a road makes, and the car hardly moves in it."""
-_SLOW = 2.0**0.5
+_LONGEST_LAG = 0.2
+"""Longest time [s] between two samples whose difference shows noise: twice the correlation time of
+the noise that a road makes. In it the car hardly moves."""
+_LARGEST_RATIO = 2.0**0.5
 """Largest ratio of the noise to that from sample to sample: half of the variance of a road's noise
 is too slow for neighbouring samples. A larger ratio comes from motion, such as a ripple."""
-_STRAIGHT = 7.0
+_INTERPOLATED_RATIO = 7.0
 """Ratio of the noise over up to four samples to that from sample to sample above which a channel
 was interpolated by straight lines. A ripple of ten times the noise has a ratio of 4."""
 _FLOOR = np.where(np.array(CHANNELS) == "v", 0.003, 0.005)
 """Least noise (6,) of the channels, in their units: no car is described to better than that."""
 _ROUNDS = 3  # most Gauss-Newton steps to the random effects of the hold-outs
-_NEAR = 1.0  # step [standard deviations] after which the linear model holds
+_NEAR = 1.0  # step [standard deviations] within which the linear model holds
 
 
 @dataclass(frozen=True, eq=False)
 class Gap:
-    """Mean square of replay less measurement, over that of the noise, less 1, at least 0."""
+    """The gap of every log and channel, without and with effects."""
 
     logs: tuple[str, ...]
     noise: Array  # standard deviations of the channels, in their units (6,)
-    squares: Array  # without and with effects, by log and channel [1] (2, logs, 6)
+    squares: Array  # gap over the variance of the noise, at least 0 [1] (2, logs, 6)
 
     def rms(self, log: str | None = None, channel: str | None = None) -> tuple[float, float]:
         """Rms before and after in units of the noise, of one log or all, one channel or all."""
@@ -84,15 +84,15 @@ def gap_of(
 ) -> Gap:
     """Compare replays with their logs up to the end of the shorter one: a replay ends at 1 m/s."""
     noise = noises_of(measured)
-    squares = [
-        [_squares_of(*pair) for pair in zip(replays, measured, strict=True)]
+    mean_squares = [
+        [_mean_squares(*pair) for pair in zip(replays, measured, strict=True)]
         for replays in (replays_before, replays_after)
     ]
-    beyond = np.maximum(np.array(squares) / noise**2 - 1.0, 0.0)
-    return Gap(tuple(log.name for log in measured), noise, beyond)
+    squares = np.maximum(np.array(mean_squares) / noise**2 - 1.0, 0.0)
+    return Gap(tuple(log.name for log in measured), noise, squares)
 
 
-def _squares_of(replay: Log, measured: Log) -> list[float]:
+def _mean_squares(replay: Log, measured: Log) -> list[float]:
     """Mean squares (6,) of replay less measurement, over their common samples."""
     n = min(replay.time.size, measured.time.size)
     return [float(np.mean((replay[c][:n] - measured[c][:n]) ** 2)) for c in CHANNELS]
@@ -107,16 +107,18 @@ def noises_of(measured: Sequence[Log]) -> Array:
 def _noise_of(log: Log, channel: str) -> float:
     """Standard deviation of the noise of a channel, in its unit, from third differences.
 
-    The noise is the largest one over up to `_LONGEST`, but at most `_SLOW` times that from sample
-    to sample. A channel that was interpolated by straight lines shows little from sample to sample,
-    and has no such limit.
+    The noise is the largest over any lag, but at most `_LARGEST_RATIO` times that from sample to
+    sample. A channel that was interpolated by straight lines shows little noise from sample to
+    sample, so this limit does not hold for it.
     """
-    fine = float(np.std(np.diff(log[channel], 3)) / np.sqrt(20.0))
-    by_lag = [fine, *noise_over(log[channel], _LONGEST / log.sample_time)]
-    largest = max(by_lag)
-    if channel in log.interpolated or max(by_lag[:4]) > _STRAIGHT * fine:
-        return largest
-    return min(largest, _SLOW * fine)
+    # third differences of white noise have 20 times its variance
+    from_sample_to_sample = float(np.std(np.diff(log[channel], 3)) / np.sqrt(20.0))
+    by_lag = noise_over(log[channel], _LONGEST_LAG / log.sample_time)  # robust, of 1, 2, 4 ...
+    by_lag = [from_sample_to_sample, *by_lag]
+    is_interpolated = max(by_lag[:4]) > _INTERPOLATED_RATIO * from_sample_to_sample
+    if channel in log.interpolated or is_interpolated:
+        return max(by_lag)
+    return min(max(by_lag), _LARGEST_RATIO * from_sample_to_sample)
 
 
 @dataclass(frozen=True)
@@ -127,19 +129,16 @@ class HoldOuts:
     problem: Problem
 
     def replays(self, fit: Fit, random_effects: Array) -> tuple[Log, ...]:
-        """Replay every log open loop with its ``random_effects`` (runs, 8).
-
-        Ripples follow the measured angle of the wheels. Raises ModelError if a replay fails.
-        """
+        """Replay every log open loop with its ``random_effects`` (runs, 8). Raises ModelError."""
         replays = []
         for log, run in zip(self.logs, runs_of(self.problem, random_effects), strict=True):
             slope, zero = run.random_effects[[SLOPE, ZERO]].tolist()
-            of_log: dict[str, dict[str, float]] = {}
+            offsets: dict[str, dict[str, float]] = {}
             if slope:
-                of_log["road_grade"] = {"grade": slope, "felt": 1.0}
+                offsets["road_grade"] = {"grade": slope, "felt": 1.0}
             if zero:
-                of_log["accelerometer_bias"] = {"bias": zero}
-            effects = fit.effects.with_(Effects(of_log))
+                offsets["accelerometer_bias"] = {"bias": zero}
+            effects = fit.effects.with_(Effects(offsets))
             model = model_of(self.problem.vehicle, fit.base.of_log(run.random_effects), effects)
             pairs = (("f", run.angle_f), ("r", run.angle_r))
             angles = {axle: np.interp(log.time, run.time, angle) for axle, angle in pairs}
@@ -155,24 +154,24 @@ def model_of(vehicle: Vehicle, base: Base, effects: Effects) -> Model:
 
 @dataclass(frozen=True)
 class Replayed:
-    """A fit and its replays of the hold-outs, beside replays without effects."""
+    """A fit, and replays of the hold-outs with and without its effects."""
 
     fit: Fit
     simulated: Fit  # the same hypothesis without tyre discrepancies, which no simulation has
     base: Fit  # without effects and discrepancies
-    random_effects: Array  # of the hold-outs (runs, 8)
-    base_logs: tuple[Log, ...]  # replays of the base with the same random effects
-    logs: tuple[Log, ...]  # replays of ``simulated``
+    random_effects: Array  # of the hold-outs, by ``simulated`` (runs, 8)
+    base_logs: tuple[Log, ...]  # replays of ``base`` with these random effects
+    logs: tuple[Log, ...]  # replays of ``simulated`` with them
 
 
 def replayed(holdouts: HoldOuts, fit: Fit, base: Fit | None) -> Replayed:
     """Fit again without tyre discrepancies, and replay the hold-outs with and without effects.
 
-    ``base`` is the fit without effects and discrepancies, or None for the base itself. Raises
+    ``base`` is the fit without effects and discrepancies, or None if ``fit`` has no effects. Raises
     ModelError if a replay fails.
     """
     simulated = without_discrepancy(fit)
-    random_effects = placed(holdouts.problem, simulated)
+    random_effects = holdout_effects(holdouts.problem, simulated)
     logs = holdouts.replays(simulated, random_effects)
     if base is None:
         return Replayed(fit, simulated, simulated, random_effects, logs, logs)
@@ -187,8 +186,8 @@ def without_discrepancy(fit: Fit) -> Fit:
     return fit_logs(fit.problem, hypothesis, state, fit.columns)
 
 
-def placed(holdouts: Problem, fit: Fit) -> Array:
-    """Fit the random effects (runs, 8) that a hold-out may have, all else as in ``fit``."""
+def holdout_effects(holdouts: Problem, fit: Fit) -> Array:
+    """Fit the random effects (runs, 8) of the hold-outs, all else as in ``fit``."""
     S = fit.hypothesis.sigmas
     places = np.flatnonzero(S)
     random_effects = np.zeros((len(holdouts.runs), len(RANDOM_EFFECTS)))
@@ -198,7 +197,8 @@ def placed(holdouts: Problem, fit: Fit) -> Array:
         columns, previous = random_derivatives(present, places.tolist()), random_effects.copy()
         for r, N, u in zip(present.innovations, columns, random_effects, strict=True):
             products = Products.from_columns(np.zeros((0, r.size)), N, r, u[places])
-            u[places] -= products.marginalised(S[places])[1][:, -1]
+            _, step, _ = products.marginalised(S[places])
+            u[places] -= step[:, -1]
         if np.all(np.abs(random_effects - previous) <= _NEAR * S):
             break
     return random_effects

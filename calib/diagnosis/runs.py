@@ -3,6 +3,8 @@
 A mistake made while logs are recorded or named looks like an unknown effect. Logs that `check` and
 `fit` refuse are refused here, too, in the same words. So are mistakes that only show between logs:
 a hold-out that is a copy, the pressure of another run, and wheel speeds of swapped axles.
+
+`checked` comes before the search, `unexplained_warnings` and `require_right_axles` after it.
 """
 
 from collections.abc import Sequence
@@ -30,7 +32,7 @@ from calib.run.same_run import refuse_copies
 
 _LEVEL = "level_changed"
 _SWAPPED = "axles_swapped"  # eta changes in the wrong direction
-_SEARCHED = (
+_EXPLAINABLE = (
     *("a_x_scale", "a_x_against_v", "a_x_offset", "unexplained_drag", "unexplained_braking_force"),
     *("braking_force_missing", "pressure_lag", "force_step", _SWAPPED, _LEVEL),
 )
@@ -38,14 +40,14 @@ _SEARCHED = (
 explains the logs has named their cause, so these warnings are not given."""
 _FITTED = 3  # number of promises that are fitted to logs with exchanged axles
 LARGEST, USUAL = 5e-3, 1e-3
-"""Largest difference of left and right radii [1] that is taken out of the wheel speeds: one new
-tyre makes 5e-3, tyres of one age 1e-3. A brake that drags on one wheel looks like 1e-3 to 8e-3."""
+"""Differences of left and right radii [1] up to which the wheel speeds are made equal: one new tyre
+makes 5e-3, tyres of one age 1e-3. A brake that drags on one wheel looks like 1e-3 to 8e-3."""
 
 
 def checked(
     vehicle: Vehicle, calibration: Sequence[Log], holdout: Sequence[Log]
 ) -> tuple[PlausibilityWarning, ...]:
-    """Return the warnings on every log, in their order, also those that the search may explain.
+    """Return the warnings on all logs, in the order of the logs, as if nothing explained them.
 
     Raises LogError for a mistake that makes a search meaningless, and ModelError if a known effect
     cannot be taken out of a log.
@@ -66,12 +68,12 @@ def checked(
     runs = [Run(log, vehicle) for log in (*calibration, *holdout)]
     for run in runs:
         require(run, DIAGNOSE)
-    evidence = _evidence_of(runs)
-    for of_run in evidence:
-        refused = warnings_on(of_run, DIAGNOSE, (REFUSE,))
+    evidence_of_runs = _evidence_of(runs)
+    for evidence in evidence_of_runs:
+        refused = warnings_on(evidence, DIAGNOSE, (REFUSE,))
         if refused:
-            raise LogError(refused[0].text, where=of_run.run.log.source)
-    return tuple(warning for of_run in evidence for warning in warnings_on(of_run, DIAGNOSE))
+            raise LogError(refused[0].text, where=evidence.run.log.source)
+    return tuple(warning for e in evidence_of_runs for warning in warnings_on(e, DIAGNOSE))
 
 
 def unexplained_warnings(
@@ -79,12 +81,12 @@ def unexplained_warnings(
 ) -> tuple[PlausibilityWarning, ...]:
     """Return the warnings that the result does not explain.
 
-    ``unexplained`` says whether something significant is left; ``grouped`` whether logs differ in
-    pads or roads in the result: a wrong pressure of a log looks like that.
+    ``unexplained`` says whether something significant is left. ``grouped`` says whether logs differ
+    in a group of random effects, such as pads: a wrong pressure of a log looks like that.
     """
     if unexplained:
         return tuple(warnings)
-    explained = [code for code in _SEARCHED if code != _LEVEL or not grouped]
+    explained = [code for code in _EXPLAINABLE if code != _LEVEL or not grouped]
     return tuple(warning for warning in warnings if warning.code not in explained)
 
 
@@ -106,28 +108,27 @@ def require_right_axles(
 ) -> None:
     """Raise LogError if front and rear wheel speeds are swapped in some or all ``logs``.
 
-    By the ``warnings`` a log is suspected if its rear wheels slip more: axles are swapped, or
-    something brakes the rear wheels, such as a motor. The more probable case is believed: the logs
-    as given, with the best fit of the ``search``, or with the axles exchanged in the suspected or
-    in all logs, with the best of a few fits.
+    By the ``warnings`` a log is suspected if its rear wheels slip more. Either the axles are
+    swapped, or something brakes the rear wheels, such as a motor. The more probable case is
+    believed: the logs as recorded, with the best fit of the ``search``, or the logs with the axles
+    exchanged in the suspected or in all of them, with the best of a few fits.
     """
-    swapped = {warning.log: warning for warning in warnings if warning.code == _SWAPPED}
-    if not swapped:
+    suspected = {warning.log: warning for warning in warnings if warning.code == _SWAPPED}
+    if not suspected:
         return
     all_exchanged = [_exchanged(log) for log in logs]
-    some_exchanged = [_exchanged(log) if log.name in swapped else log for log in logs]
-    best = search.fits.value(search.best)
-    candidates = some_exchanged, all_exchanged
-    if any(_log_evidence(search.problem, exchanged) > best for exchanged in candidates):
-        sources = [log.source for log in logs if log.name in swapped]
-        raise LogError(next(iter(swapped.values())).text, where=", ".join(sources))
+    some_exchanged = [_exchanged(log) if log.name in suspected else log for log in logs]
+    as_recorded = search.fits.evidence_of_all(search.best)
+    if any(_evidence(search.problem, x) > as_recorded for x in (some_exchanged, all_exchanged)):
+        sources = [log.source for log in logs if log.name in suspected]
+        raise LogError(next(iter(suspected.values())).text, where=", ".join(sources))
 
 
-def _log_evidence(recorded: Problem, logs: Sequence[Log]) -> float:
+def _evidence(recorded: Problem, logs: Sequence[Log]) -> float:
     """ln of the evidence of other logs with the same noise, by the best of a few fits."""
     runs = with_ripple_phase(recorded.vehicle, [run_of(log) for log in logs], recorded.noise)
     problem = replace(recorded, runs=runs)
-    fits = Fits(problem, problem)
+    fits = Fits(problem, holdouts=problem)  # the hold-outs are not asked
     fits.best_of(promises(fits.base, trials(fits.base))[:_FITTED], fits.base)
     return max(fit.log_evidence for fit in fits.fitted.values())
 
@@ -141,10 +142,10 @@ def _exchanged(log: Log) -> Log:
 def with_even_sides(logs: Sequence[Log], largest: float) -> tuple[list[Log], float]:
     """Return the logs with equal mean left and right wheel speeds of each axle while unbraked.
 
-    Radii differ from day to day, by ten times what a speed sensor shows over a log, which would
-    hide every other effect. All logs, of one car with one set of tyres, give one ratio for each
-    axle. An axle stays as it is if its sides differ by more than ``largest`` [1]: a brake that
-    drags on one wheel looks alike. Also return the largest difference that was taken out [1].
+    Left and right radii differ by ten times what a speed sensor shows over a log, which would hide
+    every other effect. All logs, of one car with one set of tyres, give one ratio for each axle. An
+    axle stays as it is if its sides differ by more than ``largest`` [1], since a brake that drags
+    on one wheel looks alike. Also return the largest difference that was taken out [1].
     """
     rolling = [driving_record(log).unbraked for log in logs]
     even, taken_out = list(logs), 0.0
@@ -157,7 +158,7 @@ def with_even_sides(logs: Sequence[Log], largest: float) -> tuple[list[Log], flo
 
 
 def _angle(logs: Sequence[Log], rolling: Sequence[Mask], channel: str) -> float:
-    """Angle that a wheel turns while ``rolling``, in all logs [rad]."""
+    """Angle that a wheel turns while unbraked, in all logs [rad]."""
     return sum(
         log.sample_time * float(np.sum(log[channel][unbraked]))
         for log, unbraked in zip(logs, rolling, strict=True)
@@ -165,7 +166,7 @@ def _angle(logs: Sequence[Log], rolling: Sequence[Mask], channel: str) -> float:
 
 
 def _scaled(log: Log, axle: str, factor: float) -> Log:
-    """Return the log with the left wheel speed times ``factor``, and the right one over it."""
+    """Return the log with the left wheel speed times, the right wheel speed over ``factor``."""
     left, right = f"omega_{axle}l", f"omega_{axle}r"
     even = {left: log[left] * factor, right: log[right] / factor}
     return replace(log, channels=log.channels | even)

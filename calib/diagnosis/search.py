@@ -1,11 +1,12 @@
 """Search for the effects that explain the logs, step by step, judged by the hold-outs.
 
-    one effect more --> other effects in the place of one --> logs that differ in more groups
+Three moves lead from the best fit so far to a better one, tried in this order: add an effect,
+exchange a part for other effects, add an effect or groups in which logs differ. A linear model
+ranks the hypotheses of a move, and the best of them are fitted. The first fit that is surely more
+probable, on the hold-outs, too, is accepted. Then the moves begin anew, until none is left.
 
-These are the moves. The linear model ranks what each move may give, and the best are fitted. The
-first fit that is surely more probable, on the hold-outs, too, is accepted, and the moves begin
-anew, until none is left. A promise is a hypothesis with an evidence by the linear model, a gain a
-difference of ln of the evidence.
+A promise is a hypothesis with its evidence by a linear model. Gains and odds are differences of ln
+of the evidence.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -15,39 +16,40 @@ from functools import cached_property, partial
 import numpy as np
 
 from calib.base.errors import ModelError
-from calib.diagnosis.explanation.base import SCATTERED
 from calib.diagnosis.explanation.channels import ChannelNoise
 from calib.diagnosis.explanation.fit import Fit
 from calib.diagnosis.explanation.gauss_newton import fit_logs
 from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.problem import Problem, unbraked_noise, with_ripple_phase
+from calib.diagnosis.explanation.unknowns import SCATTERED
 from calib.diagnosis.fits import Fits
 from calib.diagnosis.rank import Trial, promises, trials
 from calib.diagnosis.replays import Gap, HoldOuts, Replayed, gap_of, replayed
 from calib.diagnosis.terms import Ranked, ranked_terms
 from calib.logs.log import Log
 
-SURE = 10.0  # ln of the odds, of all logs together, from which something is believed or ruled out
-_SHARE = 0.05  # share of the excess of the squares that an effect must explain
-_WIDER = 0.25  # share by which a fit may widen the gap on the way to a better one
-_WITHIN = 0.5  # widening of the gap that is allowed at least, in units of the noise
-_FRESH = 8  # further effects that are tried anew beside a fit
-_MOST = 12  # moves at most
-_QUIETER = 0.9  # share of a channel's noise below which a fit leaves it quieter
-_WRONG = 0.5  # share of a gain by which the linear model is wrong at most: it is so for a motor
+DECISIVE = 10.0  # gain by all logs together from which something is believed or ruled out
+_LEAST_SHARE = 0.05  # share of the excess of the squares that an effect must explain
+_WIDENING, _WIDENING_NOISE = 0.25, 0.5
+"""How far a fit may widen the gap on the way to a better fit: a share of the gap, but at least a
+number in units of the noise."""
+_TRIED_ANEW = 8  # number of further effects that are tried anew beside a fit
+_MAX_MOVES = 12
+_QUIETER = 0.9  # share of a channel's noise below which a fit leaves the channel quieter
+_LINEAR_ERROR = 0.5  # largest error of the linear model, as a share of a gain: that of a motor
 
 
 def run_search(problem: Problem, holdout: Sequence[Log]) -> "Search":
-    """Search in a problem, judged by the logs that are held out.
+    """Search in a problem, judged by the hold-out logs.
 
-    The search begins anew if its best fit leaves less noise: an effect that acts in unbraked parts,
-    such as a tone ring that runs out, was part of the noise.
+    The search begins anew if its best fit leaves less noise: then an effect that acts in unbraked
+    parts, such as a tone ring that runs out, was part of the noise.
     """
     while True:
         runs = with_ripple_phase(problem.vehicle, [run_of(log) for log in holdout], problem.noise)
         search = Search(problem, HoldOuts(tuple(holdout), replace(problem, runs=runs)))
         search.run()
-        noise = search.quieter()
+        noise = search.quieter_noise()
         if noise is None:
             return search
         problem = replace(problem, noise=noise)
@@ -62,40 +64,41 @@ class Search:
     base: Fit = field(init=False)  # without effects
     best: Fit = field(init=False)
     fits: Fits = field(init=False)
-    first: list[Trial] = field(init=False)  # of effects beside the base
-    further: list[Trial] = field(init=False)  # of effects beside the best fit
-    rivals: tuple[Fit, ...] = ()  # that no log rules out
+    base_trials: list[Trial] = field(init=False)  # of effects beside the base
+    best_trials: list[Trial] = field(init=False)  # of effects beside the best fit
+    rivals: tuple[Fit, ...] = ()  # fits with other effects, which no log rules out
     steps: list[tuple[str, ...]] = field(default_factory=lambda: [()])  # effects of each best fit
     accepted: list[Replayed] = field(default_factory=list)  # replays of each best fit
-    # effects of fits that the hold-outs speak against, by key
     withdrawn: dict[object, tuple[str, ...]] = field(default_factory=dict)
+    """Effects of the fits that the hold-outs speak against, by the keys of their hypotheses."""
 
     def run(self) -> None:
         """Find the best fit and its rivals."""
         self.problem.tell("fitting the model without effects", 0, 1)
         self.fits = Fits(self.problem, self.holdouts.problem)
         self.base = self.best = self.fits.base
-        self.further = self.first = trials(self.base)
-        for _ in range(_MOST):
-            if not self._moves_on() or self.is_no_effect() or self.quieter():
+        self.best_trials = self.base_trials = trials(self.base)
+        for _ in range(_MAX_MOVES):
+            if not self._move() or self.is_no_effect() or self.quieter_noise():
                 break
-        self.rivals = self._rivals()
+        self.rivals = self._find_rivals()
         likeliest = max((self.best, *self.rivals), key=self._odds)
-        if likeliest is not self.best and self.accept(likeliest, least=-SURE):
-            self.rivals = self._rivals()
+        if likeliest is not self.best and self.accept(likeliest, least=-DECISIVE):
+            self.rivals = self._find_rivals()
         self.best = self._with_alike()
         if not self.best.names:
             self.base = self.best
 
-    def _moves_on(self) -> bool:
+    def _move(self) -> bool:
         """Make the first move that gives a fit which is accepted; return whether there is one."""
-        for move in (self.one_more, self.exchanges, partial(self.one_more, more_groups=True)):
-            for fit in self.more_probable(move()):
+        add_in_groups = partial(self.fit_additions, more_groups=True)
+        for fit_move in (self.fit_additions, self.fit_exchanges, add_in_groups):
+            for fit in self.more_probable(fit_move()):
                 if self.accept(fit):
                     return True
         return False
 
-    def quieter(self) -> ChannelNoise | None:
+    def quieter_noise(self) -> ChannelNoise | None:
         """The noise that the best fit leaves in unbraked parts if a channel is quieter, or None."""
         fit, problem = self.best, self.problem
         if not fit.names:
@@ -116,19 +119,19 @@ class Search:
     def gap(self, after: Replayed) -> Gap:
         """The gap on the hold-outs without and with effects, each with the best pads and roads.
 
-        With those of a wrong fit, which may be far off, any effect would shrink the gap.
+        With the pads and roads of a wrong fit, any effect would shrink the gap.
         """
         return gap_of(self.base_replayed.logs, after.logs, self.holdouts.logs)
 
     def widens(self, after: Replayed) -> bool:
-        """Whether effects widen the gap of the replays by more than noise does."""
+        """Whether effects widen the gap of the replays by more than is allowed."""
         gap = self.gap(after)
-        return gap.rms_after > gap.rms_before + max(_WIDER * gap.rms_before, _WITHIN)
+        return gap.rms_after > gap.rms_before + max(_WIDENING * gap.rms_before, _WIDENING_NOISE)
 
-    def accept(self, new: Fit, least: float = SURE) -> bool:
-        """Make a fit the best if it gains enough and does not widen the gap far; return whether so.
+    def accept(self, new: Fit, least: float = DECISIVE) -> bool:
+        """Make a fit the best if it gains enough and does not widen the gap; return whether so.
 
-        Enough is more than ``least``, or more than 0 for a better fit of the best hypothesis.
+        The gain must be above ``least``, or above 0 for a better fit of the best hypothesis.
         """
         same = new.hypothesis.key == self.best.hypothesis.key
         if sum(self._gains(new)) <= (0.0 if same else least):
@@ -144,37 +147,41 @@ class Search:
         self.accepted.append(after)
         if not same:
             self.steps.append(new.names)
-            self.further = self._trials(new)
+            self.best_trials = self._trials(new)
         return True
 
     def _trials(self, fit: Fit) -> list[Trial]:
         """Trials of effects beside a fit: the most promising ones anew, others as at the base."""
         if not fit.names:
-            return [*self.first]
-        by_promise = dict.fromkeys(p.hypothesis.names[-1] for p in promises(fit, self.first, 1))
-        anew = [*by_promise][:_FRESH]
-        return [*trials(fit, anew), *(trial for trial in self.first if trial.name not in anew)]
+            return [*self.base_trials]
+        promised = promises(fit, self.base_trials, 1)
+        anew = [*dict.fromkeys(p.hypothesis.names[-1] for p in promised)][:_TRIED_ANEW]
+        return [*trials(fit, anew), *(t for t in self.base_trials if t.name not in anew)]
 
-    def one_more(self, *, more_groups: bool = False) -> list[Fit]:
-        """Fit one effect more; with ``more_groups`` logs may differ in further groups, too.
+    def fit_additions(self, *, more_groups: bool = False) -> list[Fit]:
+        """Fit the best with one effect more; ``more_groups``: or with further groups, too.
 
-        Up to three promises in the present groups are fitted, and one in more groups: those behind
-        the best promise by no more than a linear model can be wrong.
+        Up to three promises in the present groups are fitted, and one in more groups. A promise is
+        fitted only if an error of the linear model can put it behind the best promise.
         """
         best, tops = self.best, []
-        promised = promises(best, self.further, 1, more_groups)
+        promised = promises(best, self.best_trials, 1, more_groups)
         for wider, count in ((False, 3), (True, 1)):
-            some = [p for p in promised if (p.hypothesis.groups > best.hypothesis.groups) == wider]
-            most = max((p.log_evidence - best.log_evidence for p in some), default=0.0)
-            least = best.log_evidence + max(5.0, (1.0 - _WRONG) * most - 5.0)
-            tops += [p for p in some if p.log_evidence > least][:count]
-        return self.fits.best_of(tops, best, best.log_evidence - 2.0 * SURE)
+            alike = [p for p in promised if (p.hypothesis.groups > best.hypothesis.groups) == wider]
+            largest = max((p.log_evidence - best.log_evidence for p in alike), default=0.0)
+            least = best.log_evidence + max(5.0, (1.0 - _LINEAR_ERROR) * largest - 5.0)
+            tops += [p for p in alike if p.log_evidence > least][:count]
+        return self.fits.best_of(tops, best, best.log_evidence - 2.0 * DECISIVE)
 
     def more_probable(self, fits: Iterable[Fit]) -> Iterator[Fit]:
-        """Yield fits that are surely more probable than the best one, best first."""
+        """Yield the best three fits, best first, as far as they are surely more probable.
+
+        Fits that only the hold-outs speak against are withdrawn.
+        """
         best = self.best
         excess = best.mean_square - 1.0 - 3.0 * best.scatter
-        least = max(SURE, _SHARE * 0.5 * excess * best.count)
+        # a fall of the squares is twice a gain of ln of the likelihood
+        least = max(DECISIVE, _LEAST_SHARE * 0.5 * excess * best.count)
         better = {f.hypothesis.key: f for f in fits if f.log_evidence > best.log_evidence}
         for fit in sorted(better.values(), key=lambda f: -f.log_evidence)[:3]:
             key = fit.hypothesis.key
@@ -183,22 +190,23 @@ class Search:
                     yield fit
             elif key not in self.withdrawn:
                 gain, holdout_gain = self._gains(fit)
-                if holdout_gain > -SURE and gain + holdout_gain > least:
+                if holdout_gain > -DECISIVE and gain + holdout_gain > least:
                     yield fit
-                elif gain > SURE:
+                elif gain > DECISIVE:
                     self.withdrawn[key] = fit.names
 
     def _gains(self, new: Fit) -> tuple[float, float]:
-        """ln of the odds against the best fit, by the logs of the problem and by the hold-outs."""
+        """Gains over the best fit, by the logs of the problem and by the hold-outs."""
         holdout_gain = self.fits.density(new) - self.fits.density(self.best)
         return float(new.log_evidence - self.best.log_evidence), float(holdout_gain)
 
-    def exchanges(self) -> list[Fit]:
-        """Fit one or two effects, or further groups, in the place of a part of the best fit.
+    def fit_exchanges(self) -> list[Fit]:
+        """Fit one or two effects, or further groups, in the place of each part of the best fit.
 
-        A best fit without effects gets one or two. The part may have stood for two effects. Without
-        the part the linear model may be far wrong, so the best two single effects are fitted
-        whatever they promise. A pair must promise more than the best fit, and not have the part.
+        A part is an effect or a group, which may have stood for two effects. To a best fit without
+        parts one or two effects are added. Without the part the linear model may be far wrong, so
+        the best two single effects are fitted whatever they promise. A pair must promise more than
+        the best fit, and not have the part.
         """
         best, fits = self.best, []
         count, more_groups = len(best.names), bool(best.hypothesis.groups)
@@ -211,15 +219,15 @@ class Search:
                 for p in promised
                 if len(p.hypothesis.names) > count
                 and not (part and part <= p.hypothesis.parts)
-                and p.log_evidence > best.log_evidence + SURE
+                and p.log_evidence > best.log_evidence + DECISIVE
             ]
             tops = [*single[:2], *pairs[:1]]
-            fits += self.fits.best_of(tops, fit, best.log_evidence - 2.0 * SURE)
+            fits += self.fits.best_of(tops, fit, best.log_evidence - 2.0 * DECISIVE)
         return fits
 
     @cached_property
     def terms(self) -> list[Ranked]:
-        """Empirical terms in the place of any effect, ranked."""
+        """Empirical terms beside the base, ranked."""
         return ranked_terms(self.base)
 
     def is_no_effect(self) -> bool:
@@ -228,35 +236,34 @@ class Search:
         is_excess = best.mean_square > 1.01 + 3.0 * best.scatter or best.random_effects_excess > 5.0
         if not (best.names and is_excess):
             return False
-        by_term = self.base.log_evidence + self.terms[0].log_gain - SURE
+        by_term = self.base.log_evidence + self.terms[0].log_gain - DECISIVE
         if by_term < best.log_evidence:
             return False
         others = [
-            *promises(best, self.further),
-            *promises(best, self.further, 1, more_groups=True),
-            *promises(self.base, self.first),
+            *promises(best, self.best_trials),
+            *promises(best, self.best_trials, 1, more_groups=True),
+            *promises(self.base, self.base_trials),
         ]
         return by_term > max(p.log_evidence for p in others)
 
     def _odds(self, fit: Fit) -> float:
-        """ln of the odds between rivals, where effects that every car has cost no price."""
-        return self.fits.value(fit) + fit.hypothesis.price_of_usual
+        """ln of the evidence of all logs, where effects that every car has cost no price."""
+        return self.fits.evidence_of_all(fit) + fit.hypothesis.price_of_usual
 
-    def _rivals(self) -> tuple[Fit, ...]:
+    def _find_rivals(self) -> tuple[Fit, ...]:
         """Fits with other effects and at most as many parameters, which no log rules out."""
-        best, value, rivals = self.best, self.fits.value, []
-        most, least = value(best), best.log_evidence - 2.0 * SURE
+        best, evidence, rivals = self.best, self.fits.evidence_of_all, []
+        least = evidence(best) - DECISIVE
         for fit in list(self.fits.fitted.values()):
             is_part = set(fit.names) <= set(best.names)
             is_larger = fit.state.x.size > best.state.x.size
-            if is_part or is_larger or fit.log_evidence < least:
-                continue
-            if value(fit) > most - SURE:
+            is_far_behind = fit.log_evidence < best.log_evidence - 2.0 * DECISIVE
+            if not (is_part or is_larger or is_far_behind) and evidence(fit) > least:
                 rivals.append(fit)
-        return tuple(sorted(rivals, key=lambda fit: -value(fit)))
+        return tuple(sorted(rivals, key=lambda fit: -evidence(fit)))
 
     def _with_alike(self) -> Fit:
-        """The best fit, with logs alike in `SCATTERED` groups if that is more probable."""
+        """The best fit, with logs alike in some of the `SCATTERED` groups if more probable so."""
         fit = self.best
         subsets = [(), SCATTERED, *((group,) for group in SCATTERED)]
         differ = fit.hypothesis.groups

@@ -1,11 +1,12 @@
-"""Describe by an empirical term what no effect explains: a random walk over a driver at a place.
-
-    pulses along every log --> place x driver --> knots, values a random walk --> evidence
+"""Describe by an empirical term what no effect explains: a function of a driver at a place.
 
 A place is a part of the car, such as the front brakes; a driver is a variable, such as pressure.
-Every driver is a function of time along a log, so the changes of the innovations by short pulses
-give those by any function of any driver. Increments from knot to knot are normal, of the size that
-the logs make most probable. The term describes; it is no physical cause.
+The values of the term at the knots of its driver are a random walk: increments from knot to knot
+are normal, of the size that the logs make most probable. The term describes; it is no physical
+cause.
+
+Every driver is a function of time along a log. So the derivatives of the innovations by short
+pulses in time at a place, once computed, give those by any function of any driver.
 """
 
 from collections.abc import Sequence
@@ -27,23 +28,24 @@ from calib.diagnosis.explanation.predict import ObservedRun, predict
 
 _BASIC = tuple(place for place in PLACES if place != "brakes")  # places that are no sum of others
 _KNOTS = 20  # number of knots of a driver
-_WALKS = {True: (0.003, 0.01, 0.03, 0.1), False: (0.0003, 0.001, 0.003, 0.01)}
-"""Standard deviations of an increment [1]: of a brake torque, and of a force over the weight."""
+_SIZES_ON_BRAKES = (0.003, 0.01, 0.03, 0.1)
+"""Standard deviations of an increment [1] that are tried, as shares of a brake torque."""
+_SIZES_OF_FORCES = (0.0003, 0.001, 0.003, 0.01)  # the same, as shares of the weight
 _PULSE = 0.1  # half the width of a triangular pulse, and the distance from pulse to pulse [s]
 _APART = 10  # distance of two pulses that are tried together [pulses]
 _BEFORE, _AFTER = 0.3, 0.7  # times [s] around the middle of a pulse in which innovations change
 _STEP = 0.02  # height of a pulse [1]
 _FITTED = 2  # number of terms that are fitted
-PLAIN = 0.03  # share of the gain of a term by which a term of one number may gain less [1]
+PLAIN_LOSS = 0.03  # share of a gain by which a term of a single number may gain less [1]
 
 
 @dataclass(frozen=True)
 class Ranked:
-    """A random walk by the linear model."""
+    """A term by the linear model."""
 
     walk: Walk
     values: Array  # at the knots
-    log_gain: float  # of ln of the evidence
+    log_gain: float  # gain of ln of the evidence, less the price
 
 
 def ranked_terms(fit: Fit) -> list[Ranked]:
@@ -53,7 +55,7 @@ def ranked_terms(fit: Fit) -> list[Ranked]:
     for number, (place, of_place) in enumerate(zip(_BASIC, by_place, strict=True)):
         fit.problem.tell("looking for the place of what is left", number, len(_BASIC))
         pulses[place] = of_place
-    # the deceleration is the predicted one: the noise of a measured one would predict itself
+    # as deceleration the predicted one: with the measured one its noise would predict itself
     predicted = [predict(fit.problem.vehicle, fit.base, fit.effects, run) for run in fit.runs]
     histories = [replace(run, z=-p.a_x / G) for run, p in zip(fit.runs, predicted, strict=True)]
     unlogged = {a for a in AXLES for run in fit.runs if getattr(run, f"temperature_{a}") is None}
@@ -72,22 +74,23 @@ def with_terms(fit: Fit, ranked: Sequence[Ranked]) -> list[Fit]:
     A constant term is among them if it promises hardly less: every other driver can imitate a
     constant, and the linear model is too inexact for so small a difference.
     """
-    least = (1.0 - PLAIN) * ranked[0].log_gain
+    least = (1.0 - PLAIN_LOSS) * ranked[0].log_gain
     constant = [r for r in ranked if r.walk.driver == "constant" and r.log_gain >= least]
     chosen = [*constant, *(r for r in ranked if r.walk.driver != "constant")][:_FITTED]
-    of_worker = replace(fit, problem=fit.problem.for_worker)
-    fits = fit.problem.mapped(partial(_fitted, of_worker), chosen)
+    fit_in_worker = partial(_with_term, replace(fit, problem=fit.problem.for_worker))
+    fits = fit.problem.mapped(fit_in_worker, chosen)
     best_first = sorted(fits, key=lambda f: -f.log_evidence)
     return [replace(with_term, problem=fit.problem) for with_term in best_first]
 
 
-def _fitted(fit: Fit, ranked: Ranked) -> Fit:
-    state = replace(fit.state, x=np.concatenate([fit.state.x, ranked.values]))
-    return fit_logs(fit.problem, replace(fit.hypothesis, walk=ranked.walk), state, fit.columns)
+def _with_term(fit: Fit, term: Ranked) -> Fit:
+    """Fit a term beside a fit."""
+    state = replace(fit.state, x=np.concatenate([fit.state.x, term.values]))
+    return fit_logs(fit.problem, replace(fit.hypothesis, walk=term.walk), state, fit.columns)
 
 
 def _knots(fit: Fit, place: str, driver: str) -> Array:
-    """Knots over the range of a driver in the logs; those of pressure begin where the pads bite."""
+    """Knots (k,) over the range of a driver in the logs: for pressure, 0 and from the bite on."""
     if driver == "constant":
         return np.zeros(1)
     signals = [x for run in fit.problem.runs for x in drivers_of(place, driver, run)]
@@ -132,21 +135,21 @@ def _ranked(
     pulses: dict[str, list[Array]],
     histories: Sequence[ObservedRun],
 ) -> Ranked:
-    """A random walk on a place over a driver, of the best size."""
+    """Return the term at a place over a driver, with the most probable size of its increments."""
     knots, columns = _knots(fit, place, driver), []
     parts = ("front_brakes", "rear_brakes") if place == "brakes" else (place,)
     for i, run in enumerate(histories):
-        of_parts = []
+        of_parts = []  # derivatives (k, n) by the values at the knots
         for part in parts:
             (signal,) = drivers_of(part, driver, run)
-            # a knot acts with a hat function of the driver, so by the pulses under that hat
+            # a value acts with a hat function of the driver, so by the pulses under that hat
             at_pulses = np.interp(_middles(run), run.time - run.time[0], signal)
             weights = np.stack([np.interp(at_pulses, knots, hat) for hat in np.eye(knots.size)])
             of_parts.append(weights @ pulses[part][i])
         columns.append(np.sum(of_parts, axis=0))
     E, g = fit.marginal(fit.products_with(columns)).eliminated()
     by_size = []
-    for size in _WALKS[place.endswith("brakes")]:
+    for size in _SIZES_ON_BRAKES if place.endswith("brakes") else _SIZES_OF_FORCES:
         walk = Walk(place, driver, tuple(knots.tolist()), size)
         H = E + walk.precision
         values = np.linalg.solve(H, g)

@@ -1,16 +1,14 @@
 """From the search to a verdict: effects that are named, rivals, and whether something is left.
 
-    best fit --> replays of the hold-outs --> anything left? --> more likely by a term?
-                                                        no: named          yes: unknown
+`verdict_of` decides. Something is left if an empirical term is surely more probable, if the
+innovations have far more than noise, or if the replays of the hold-outs are far off. The named
+effects are then dropped, and the cause is unknown, if a term alone is surely more probable than
+the effects, or if these close too little of the gap.
 
-Something is left if an empirical term is surely more probable, if the innovations have far more
-than noise, or if the replays are far off. It is no known effect if a term alone is surely more
-probable than the named effects, or if these close too little of the gap. `unexplained_of` describes
-what is left, by a term where one can follow. No term follows what depends on the angle of the
-wheels, which start at another angle in every run, or what swings with a frequency of its own after
-every application, like liquid in a tank or a body on its springs.
-
-The excess is what the sum of squares of the innovations has beyond noise.
+`unexplained_of` describes what is left, with the best term. No term can follow what depends on the
+angle of the wheels, which start at another angle in every run, or what swings with a frequency of
+its own after every application, like liquid in a tank or a body on its springs. Both are looked for
+in the innovations. The excess is what the sum of squares of the innovations has beyond noise.
 """
 
 from collections.abc import Sequence
@@ -26,28 +24,28 @@ from calib.car.effects.empirical import PLACES
 from calib.diagnosis.explanation.channels import A_X, CHANNELS, DRIFT, STEP, by_channel, thinned
 from calib.diagnosis.explanation.fit import Fit
 from calib.diagnosis.replays import Replayed
-from calib.diagnosis.search import SURE, Search
-from calib.diagnosis.terms import PLAIN, Ranked, ranked_terms, with_terms
+from calib.diagnosis.search import DECISIVE, Search
+from calib.diagnosis.terms import PLAIN_LOSS, Ranked, ranked_terms, with_terms
 
 NO_GAP, NAMED, AMBIGUOUS, UNKNOWN = "no_gap", "named", "ambiguous", "unknown"
 
 WHEEL_ANGLE, FREQUENCY, SLIP = "wheel_angle", "frequency", "slip"  # drivers that no term has
 
-_STRANGE = 8.0  # scatters of the mean squared innovation from which something is surely left
-_CLOSED = 0.75  # share of gap and excess that effects must close if they leave something
+_SURE_SCATTERS = 8.0  # scatters of the mean squared innovation from which something is surely left
+_LEAST_CLOSED = 0.75  # share of gap and excess that effects must close if they leave something
 _FAR = 3.0
 """Gap of the replays, in units of the noise, from which something is left beside named effects;
 twice that if nothing is named. With nothing hidden the errors of the parameters leave up to 4.2, on
 a plant with other tyre curves than here; see tests/studies/naming.py."""
 _HARMONICS = (1, 2)  # of the wheel's turn; run-out and uneven spacing show in the first ones
-_HELD = 0.5  # relative slope d ln(torque)/d ln(pressure) below which a torque is held [1]
+_HELD_SLOPE = 0.5  # d ln(torque)/d ln(pressure) below which a torque is held [1]
 _ONE_SIDED = 0.3  # share of the excess that one wheel must take to be named
-_NO_TERM = 0.1  # share of the excess that must go with the wheel angle, or swing, to be the driver
+_LEAST_SHARE = 0.1  # share of the excess from which wheel angle or frequency may be the driver
 _WINDOW = round(4.0 / STEP)  # innovations in a window of 4 s
 _SLOWEST, _FASTEST = 2, 20
 """First and last line of the spectrum that may swing, 0.5 and 5 Hz: an error that lasts for a stop
 is slower, a body on its springs swings at 1 to 2 Hz, a wheel is faster."""
-_OVER = 3.0
+_PEAK_RATIO = 3.0
 """Least power of a peak over that of the slower lines. An error after every application, such as
 that of a lag, is in all lines; a swing of 0.5 Hz or more has at most a fifth at 0.25 Hz."""
 
@@ -57,7 +55,7 @@ class Verdict:
     """Result of a search."""
 
     search: Search
-    after: Replayed  # by the best fit
+    after: Replayed  # replays with the best fit
     rivals: tuple[Fit, ...]  # as likely as the best fit
     term: Fit | None  # the best fit with an empirical term, or None if nothing is left
 
@@ -77,63 +75,63 @@ class Verdict:
 def verdict_of(search: Search) -> Verdict:
     """Return the verdict on the best fit of a search."""
     base = search.base
-    after, terms, with_term = _closing(search)
+    after, terms, with_term = _last_closing(search)
     best = after.fit
     if not with_term and search.gap(after).rms_after > (_FAR if best.names else 2.0 * _FAR):
         with_term = with_terms(best, terms)
     if with_term and best.names:
         term_alone = with_terms(base, search.terms)
-        if term_alone[0].log_evidence > best.log_evidence + SURE:
+        if term_alone[0].log_evidence > best.log_evidence + DECISIVE:
             best, after, with_term = base, search.base_replayed, term_alone
     rivals = search.rivals if best is search.best else ()
     return Verdict(search, after, rivals, plainest(best, with_term) if with_term else None)
 
 
-def _closing(search: Search) -> tuple[Replayed, list[Ranked], list[Fit]]:
+def _last_closing(search: Search) -> tuple[Replayed, list[Ranked], list[Fit]]:
     """Find the last accepted fit that closes the gap of the replays; the base if none does.
 
-    A fit that leaves something must close the share `_CLOSED` of the gap; any other fit must not
-    widen the gap. Return its replays, the terms ranked beside it, and, if something is left, the
-    fits with terms.
+    A fit that leaves something must close the share `_LEAST_CLOSED` of the gap; any other fit must
+    not widen the gap. Return its replays, the terms ranked beside it, and, if something is left,
+    the fits with terms.
     """
     accepted = [*search.accepted]
-    with suppress(ModelError):  # without a new replay the last one stays as it was accepted
+    with suppress(ModelError):  # if it cannot be replayed, the last one stays as it was accepted
         accepted[-1:] = [search.replayed(search.best)]
     for replayed in reversed(accepted):
-        best = replayed.fit
-        if best.names and search.widens(replayed):
+        fit = replayed.fit
+        if fit.names and search.widens(replayed):
             continue
-        terms = ranked_terms(best)
-        with_term = _remaining_terms(search, best, terms)
-        explained = 1.0 - (best.mean_square - 1.0) / max(search.base.mean_square - 1.0, 1e-9)
+        terms = ranked_terms(fit)
+        with_term = _remaining_terms(search, fit, terms)
+        explained = 1.0 - (fit.mean_square - 1.0) / max(search.base.mean_square - 1.0, 1e-9)
         closed = min(search.gap(replayed).closed, explained)
-        if not best.names or not with_term or closed > _CLOSED:
+        if not fit.names or not with_term or closed > _LEAST_CLOSED:
             return replayed, terms, with_term
     return search.base_replayed, search.terms, _remaining_terms(search, search.base, search.terms)
 
 
 def _remaining_terms(search: Search, fit: Fit, terms: Sequence[Ranked]) -> list[Fit]:
-    """Fit the best of these terms beside a fit if more than noise is left; else return none.
+    """Fit the best of these terms beside a fit if more than noise is left; else return no fit.
 
-    More is left if the innovations are far larger, or if a term, which has no law behind it, is
-    surely more probable on the hold-outs, too.
+    More is left if the innovations are far larger, or if a term is surely more probable, on the
+    hold-outs, too.
     """
-    is_strange = fit.mean_square > 1.01 + _STRANGE * fit.scatter
-    if not is_strange and terms[0].log_gain < SURE:
+    is_surely_left = fit.mean_square > 1.01 + _SURE_SCATTERS * fit.scatter
+    if not is_surely_left and terms[0].log_gain < DECISIVE:
         return []
     fits = with_terms(fit, terms)
     holdout_gain = search.fits.density(fits[0]) - search.fits.density(fit)
     gain = fits[0].log_evidence - fit.log_evidence + holdout_gain
-    is_sure = holdout_gain > 0.0 and gain > SURE
-    return fits if is_strange or is_sure else []
+    is_more_probable = holdout_gain > 0.0 and gain > DECISIVE
+    return fits if is_surely_left or is_more_probable else []
 
 
 @dataclass(frozen=True)
 class Oscillation:
-    """The strongest line of the spectrum of what is left."""
+    """The strongest line of the spectrum of the innovations."""
 
     frequency: float  # [Hz], 0 if no line stands out
-    share: float  # of the excess that swings [1]
+    share: float  # of the excess that swings with it [1]
     body: bool  # whether most of the swing is in a_x and v, so that the car as a whole swings
 
 
@@ -148,7 +146,7 @@ class Unexplained:
 
     place: str  # one of `PLACES`
     axle: str
-    wheel: str | None  # one that is always slower than the other of the axle, by much of the excess
+    wheel: str | None  # always slower than the other of its axle, by much of the excess
     driver: str
     size: float  # rms of the gap that replays leave without the term, over the noise [1]
     explained: float  # share of the excess that the term takes, at most 1
@@ -161,24 +159,25 @@ class Unexplained:
 def held_from(term: EmpiricalTerm) -> float | None:
     """Pressure [Pa] above which a brake torque hardly rises with the pressure; None if it rises.
 
-    Brake control that limits the slip holds a torque so; at the rear, a valve does, too.
+    Brake control that limits the slip holds a torque in this way, at the rear also a valve.
     """
     if not term.on_brakes or term.driver != "pressure":
         return None
     p = np.array(term.knots)
-    torque = p * (1.0 + np.array(term.values))
+    torque = p * (1.0 + np.array(term.values))  # up to a constant factor
     for i in range(2, p.size - 1):
-        if np.all(np.diff(torque[i:]) < _HELD * torque[i] / p[i] * np.diff(p[i:])):
+        held_rise = _HELD_SLOPE * torque[i] / p[i] * np.diff(p[i:])
+        if np.all(np.diff(torque[i:]) < held_rise):
             return float(p[i])
     return None
 
 
 def plainest(fit: Fit, terms: Sequence[Fit]) -> Fit:
-    """Return the best of the fits with ``terms``, the first, or a plainer one if hardly worse.
+    """Return the fit with the best of the ``terms``, the first, or a plain one if hardly worse.
 
     A plain term has a single number: it is constant, or holds a torque.
     """
-    margin = PLAIN * _excess(fit) / fit.count
+    margin = PLAIN_LOSS * _excess(fit) / fit.count
     for with_term in terms:
         (term,) = with_term.effects.terms
         is_plain = term.driver == "constant" or held_from(term) is not None
@@ -202,7 +201,7 @@ def unexplained_of(fit: Fit, with_term: Fit, size: float) -> Unexplained:
     swing = oscillation_of(whitened, excess)
     holds_front = pressure is not None and PLACES[term.place] != "rear"
     causes = (  # share of the excess, driver, place
-        (max(explained, _NO_TERM), SLIP if holds_front else term.driver, term.place),
+        (max(explained, _LEAST_SHARE), SLIP if holds_front else term.driver, term.place),
         (turning, WHEEL_ANGLE, term.place),
         (swing.share, FREQUENCY, "body" if swing.body else "brakes"),
     )
@@ -229,22 +228,22 @@ def _turning(fit: Fit, whitened: Sequence[Array], excess: float) -> tuple[float,
             phase = np.outer(_HARMONICS, thinned(run, angle)[-x.shape[1] :])
             rows = [CHANNELS.index(name) for name in ("rim", "front_rear", f"{axle}_sides")]
             shares[axle] += float(np.sum(_power_of(x[rows], phase))) / excess
-    share, axle = max((share, axle) for axle, share in shares.items())
-    return min(share, 1.0), axle
+    axle = "front" if shares["front"] > shares["rear"] else "rear"
+    return min(shares[axle], 1.0), axle
 
 
 def oscillation_of(whitened: Sequence[Array], excess: float) -> Oscillation:
     """The strongest line of whitened innovations (6, m) of all runs, over the ``excess``."""
-    frequencies = np.arange(_FASTEST + 2) / (_WINDOW * STEP)
+    frequencies = np.arange(_FASTEST + 2) / (_WINDOW * STEP)  # [Hz]
     phase = 2.0 * np.pi * np.outer(frequencies, STEP * np.arange(_WINDOW))
-    full = [x[:, : x.shape[1] // _WINDOW * _WINDOW] for x in whitened]  # full windows
-    windows = np.hstack(full).reshape(len(CHANNELS), -1, _WINDOW)
-    power = np.sum(_power_of(windows, phase), axis=1)
+    full_windows = [x[:, : x.shape[1] // _WINDOW * _WINDOW] for x in whitened]
+    windows = np.hstack(full_windows).reshape(len(CHANNELS), -1, _WINDOW)
+    power = np.sum(_power_of(windows, phase), axis=1)  # by channel and line
     lines = np.sum(power, axis=0)
     peak = _SLOWEST + int(np.argmax(lines[_SLOWEST:-1]))
-    if lines[peak] <= _OVER * np.max(lines[: max(peak - 1, _SLOWEST)]):
+    if lines[peak] <= _PEAK_RATIO * np.max(lines[: max(peak - 1, _SLOWEST)]):
         return Oscillation(0.0, 0.0, body=False)
-    near = slice(peak - 1, peak + 2)
+    near = slice(peak - 1, peak + 2)  # the peak and the lines beside it
     band = np.maximum(power[:, near], 0.0)
     total = float(np.sum(band))
     return Oscillation(
@@ -255,19 +254,20 @@ def oscillation_of(whitened: Sequence[Array], excess: float) -> Oscillation:
 
 
 def _power_of(x: Array, phase: Array) -> Array:
-    """Squares (..., k) of innovations (..., n) that waves of a ``phase`` (k, n) [rad] explain.
+    """Sum of squares (..., k) of innovations (..., n) that waves of ``phase`` (k, n) [rad] explain.
 
-    The two that cosine and sine explain of noise alone are subtracted.
+    Cosine and sine explain 2 of pure noise, which is subtracted.
     """
     return np.asarray(2.0 * np.abs(x @ np.exp(1j * phase).T) ** 2 / x.shape[-1] - 2.0)
 
 
 def _one_sided(whitened: Sequence[Array], excess: float) -> str | None:
-    """The wheel that is always slower than that beside it, if this is much of the excess."""
+    """The wheel that is always slower than the other of its axle, if this is much of the excess."""
     joined = np.hstack(whitened)
-    lasting = np.sum(joined, axis=1) / np.sqrt(joined.shape[1])  # in standard deviations
-    by_axle = {axle: float(lasting[CHANNELS.index(f"{axle}_sides")]) for axle in ("front", "rear")}
+    means = np.sum(joined, axis=1) / np.sqrt(joined.shape[1])  # in standard deviations
+    by_axle = {axle: float(means[CHANNELS.index(f"{axle}_sides")]) for axle in ("front", "rear")}
     axle = max(by_axle, key=lambda name: abs(by_axle[name]))
     if by_axle[axle] ** 2 - 1.0 < _ONE_SIDED * excess:
         return None
-    return f"{axle}_{'left' if by_axle[axle] < 0.0 else 'right'}"
+    slower = "left" if by_axle[axle] < 0.0 else "right"  # the channel is left less right
+    return f"{axle}_{slower}"

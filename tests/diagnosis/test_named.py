@@ -9,10 +9,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.diagnosis.explanation.base import RANDOM_EFFECTS
 from calib.diagnosis.explanation.fit import Fit
 from calib.diagnosis.explanation.gauss_newton import fit_logs
 from calib.diagnosis.explanation.predict import ObservedRun, run_of
+from calib.diagnosis.explanation.unknowns import RANDOM_EFFECTS
 from calib.diagnosis.named import best_drive, manoeuvres
 from calib.diagnosis.replays import model_of, without_discrepancy
 from calib.model.simulate import simulate

@@ -7,10 +7,10 @@ import pytest
 
 import calib
 from calib.car.effects.effects import Effects, EmpiricalTerm
-from calib.diagnosis.explanation.base import RANDOM_EFFECTS
 from calib.diagnosis.explanation.channels import CHANNELS, STEP
 from calib.diagnosis.explanation.predict import run_of
-from calib.diagnosis.replays import HoldOuts, gap_of, placed, replayed
+from calib.diagnosis.explanation.unknowns import RANDOM_EFFECTS
+from calib.diagnosis.replays import HoldOuts, gap_of, holdout_effects, replayed
 from calib.diagnosis.verdict import (
     UNKNOWN,
     WHEEL_ANGLE,
@@ -56,8 +56,8 @@ def test_each_log_has_its_own_slope_or_zero_and_hold_outs_are_replayed_with_thei
     within = 4.0 * np.sqrt(2.0) * float(sd)
     result = fit.state.random_effects[:, place]
     assert result - result[0] == pytest.approx(SIZES[group] * np.array(known), abs=within)
-    placed_at = placed(held_problem, fit)[:, place]
-    assert placed_at - result[0] == pytest.approx(SIZES[group] * np.array(held), abs=within)
+    of_holdouts = holdout_effects(held_problem, fit)[:, place]
+    assert of_holdouts - result[0] == pytest.approx(SIZES[group] * np.array(held), abs=within)
     held_logs, base = HoldOuts(tuple(logs), held_problem), fitted(problem)
     after, plain = replayed(held_logs, fit, base), replayed(held_logs, base, base)
     assert gap_of(plain.logs, after.logs, logs).closed > 0.5

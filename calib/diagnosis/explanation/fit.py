@@ -18,19 +18,7 @@ import numpy as np
 
 from calib.base.arrays import Array
 from calib.car.effects.effects import Effects
-from calib.diagnosis.explanation.base import (
-    BASE_NAMES,
-    DISCREPANCY_FORCES,
-    FACTOR_ON,
-    FRONT_HEAT,
-    GROUPS,
-    RANDOM_EFFECTS,
-    REAR_HEAT,
-    SLOPE,
-    ZERO,
-    Base,
-    random_sigmas,
-)
+from calib.diagnosis.explanation import unknowns
 from calib.diagnosis.explanation.channels import CHANNELS, of_wheels, residuals, whiten
 from calib.diagnosis.explanation.gaussian import Marginal, Products
 from calib.diagnosis.explanation.hypothesis import (
@@ -43,6 +31,7 @@ from calib.diagnosis.explanation.hypothesis import (
 )
 from calib.diagnosis.explanation.predict import ObservedRun, Prediction, RunLag, predict
 from calib.diagnosis.explanation.problem import Problem
+from calib.diagnosis.explanation.unknowns import DISCREPANCY_FORCES, RANDOM_EFFECTS, Base
 
 _UNUSUAL = 2.0  # mean square of an unusual base and discrepancy over that of their priors [1]
 _STEP = 1e-3  # step of an element of x in a finite difference [1]
@@ -104,7 +93,7 @@ class Fit:
 
     @property
     def random_effects_excess(self) -> float:
-        """Squares of the random effects less their expected sum, over the scatter of the sum [1]."""
+        """Sum of squares of the random effects less its expected value, over its scatter [1]."""
         u = self.scaled_random_effects
         return float(np.sum(u**2) - u.size) / math.sqrt(2.0 * max(u.size, 1))
 
@@ -153,10 +142,9 @@ class Fit:
     def random_columns(self, i: int) -> Array:
         """Derivatives (8, n) of the innovations of log ``i`` by its random effects."""
         derivatives = np.empty((len(RANDOM_EFFECTS), self.innovations[i].size))
-        derivatives[[SLOPE, ZERO, FRONT_HEAT, REAR_HEAT]] = self.further_columns[i]
-        for name, parameter in FACTOR_ON.items():  # a factor acts as its base parameter does
-            by_parameter = self.columns[i][BASE_NAMES.index(parameter)]
-            derivatives[RANDOM_EFFECTS.index(name)] = by_parameter
+        derivatives[unknowns.NO_FACTORS] = self.further_columns[i]
+        # a factor acts as the base parameter that it multiplies
+        derivatives[unknowns.FACTORS] = self.columns[i][unknowns.MULTIPLIED]
         return derivatives
 
     def products_with(self, further: Sequence[Array]) -> list[Products]:
@@ -255,7 +243,7 @@ def with_columns(fit: Fit, near: Sequence[Array] = ()) -> Fit:
         for J, J_new in zip(reused, by_new, strict=True)
     ]
     if FADE in fit.effects:
-        heat = random_derivatives(fit, (FRONT_HEAT, REAR_HEAT))
+        heat = random_derivatives(fit, (unknowns.FRONT_HEAT, unknowns.REAR_HEAT))
     else:
         heat = [np.zeros((2, r.size)) for r in fit.innovations]
     pairs = zip(fit.problem.offset_columns, heat, strict=True)
@@ -281,7 +269,7 @@ def _by_discrepancy(fit: Fit) -> list[Array]:
 
 def random_derivatives(fit: Fit, places: Sequence[int]) -> list[Array]:
     """Derivatives (j, n) of the innovations of each log by its random effects at ``places``."""
-    steps, u = _STEP_OF_RANDOM * random_sigmas(GROUPS), fit.state.random_effects
+    steps, u = _STEP_OF_RANDOM * unknowns.random_sigmas(unknowns.GROUPS), fit.state.random_effects
     moved = [replace(fit.state, random_effects=u + np.diag(steps)[place]) for place in places]
     return _differences(fit, moved, steps[list(places)])
 

@@ -15,20 +15,9 @@ from calib.base.arrays import Array
 from calib.car.effects.catalogue import definition
 from calib.car.effects.effect import Parameter
 from calib.car.effects.effects import Effects, EmpiricalTerm
-from calib.diagnosis.explanation.base import (
-    BASE_NAMES,
-    BASE_SIZE,
-    DISCREPANCY_LIMIT,
-    DISCREPANCY_PRECISION,
-    HIGH,
-    LOW,
-    RANDOM_EFFECTS,
-    Base,
-    base_of,
-    base_sigma,
-    random_sigmas,
-)
+from calib.diagnosis.explanation import unknowns
 from calib.diagnosis.explanation.problem import Problem
+from calib.diagnosis.explanation.unknowns import BASE_SIZE, DISCREPANCY_PRECISION, Base
 
 FADE = "pad_thermal_fade"
 _RIPPLES = ("disc_thickness_variation", "tone_ring_runout")  # effects that go with the wheel angle
@@ -103,7 +92,7 @@ class Hypothesis:
     @property
     def sigmas(self) -> Array:
         """Standard deviations (8,) of the random effects of a log."""
-        return random_sigmas(self.groups, self.alike)
+        return unknowns.random_sigmas(self.groups, self.alike)
 
     def price(self, runs: int) -> float:
         """ln of the prior odds against the hypothesis, for a number of ``runs``."""
@@ -149,20 +138,17 @@ class Element:
         return min(max(self.origin + x * p.spread, p.low), p.high)
 
 
-def elements_of(effects: Effects, name: str) -> list[Element]:
-    """Return the elements of one effect; ``effects`` are those of the vehicle file."""
-    card = definition(effects, name).card
-    strength, *further = card.parameters
-    origins = effects.parameters.get(name, {strength.name: card.neutral})
-    return [
-        Element(name, strength, origins.get(strength.name, strength.typical), STRENGTH),
-        *(Element(name, p, origins.get(p.name, p.typical), _FURTHER) for p in further),
-    ]
-
-
-def _elements(problem: Problem, names: tuple[str, ...]) -> list[Element]:
-    effects = problem.vehicle.effects
-    return [element for name in names for element in elements_of(effects, name)]
+def elements_of(effects: Effects, *names: str) -> list[Element]:
+    """Return the elements of effects; ``effects`` are those of the vehicle file."""
+    elements = []
+    for name in names:
+        card = definition(effects, name).card
+        strength = card.parameters[0]
+        origins = effects.parameters.get(name, {strength.name: card.neutral})
+        for p in card.parameters:
+            sigma = STRENGTH if p is strength else _FURTHER
+            elements.append(Element(name, p, origins.get(p.name, p.typical), sigma))
+    return elements
 
 
 @dataclass(frozen=True)
@@ -179,20 +165,21 @@ def prior_of(problem: Problem, hypothesis: Hypothesis) -> Prior:
     """Return the prior of a hypothesis, before the logs are read."""
     from scipy.linalg import block_diag
 
-    elements = _elements(problem, hypothesis.names)
-    limits = len(DISCREPANCY_PRECISION) * [DISCREPANCY_LIMIT]  # behind base and effects
+    elements = elements_of(problem.vehicle.effects, *hypothesis.names)
+    # bounds and precisions of the values behind base and effects
+    limits = len(DISCREPANCY_PRECISION) * [unknowns.DISCREPANCY_LIMIT]
     precisions = [DISCREPANCY_PRECISION]
     walk = hypothesis.walk
     if walk is not None:
         limits = [*len(walk.knots) * [walk.limit], *limits]
         precisions = [walk.precision, *precisions]
     sample_time = max(run.step / run.averaged for run in problem.runs)  # of the slowest log
-    sigma = np.append(base_sigma(sample_time), [element.sigma for element in elements])
+    sigma = np.append(unknowns.base_sigma(sample_time), [element.sigma for element in elements])
     names = [element.effect for element in elements]
     return Prior(
         np.array([*BASE_SIZE * [""], *names, *len(limits) * [""]]),
-        np.concatenate([LOW, [element.low for element in elements], np.negative(limits)]),
-        np.concatenate([HIGH, [element.high for element in elements], limits]),
+        np.concatenate([unknowns.LOW, [element.low for element in elements], np.negative(limits)]),
+        np.concatenate([unknowns.HIGH, [element.high for element in elements], limits]),
         block_diag(np.diag(sigma**-2.0), *precisions),
     )
 
@@ -202,7 +189,7 @@ def base_and_effects(
 ) -> tuple[Base, Effects]:
     """Return base and effects of a state; effects include those of the vehicle file."""
     parameters: dict[str, dict[str, float]] = {}
-    elements = _elements(problem, hypothesis.names)
+    elements = elements_of(problem.vehicle.effects, *hypothesis.names)
     # x may go on with the values of a term
     for element, x in zip(elements, state.x[BASE_SIZE:].tolist(), strict=False):
         parameters.setdefault(element.effect, {})[element.parameter.name] = element.value(x)
@@ -212,14 +199,14 @@ def base_and_effects(
         values = tuple(state.x[-len(walk.knots) :].tolist())
         term = EmpiricalTerm(walk.place, walk.driver, walk.knots, values)
         effects = replace(effects, terms=(term,))
-    base = base_of(problem.vehicle, state.x[:BASE_SIZE])
+    base = unknowns.base_of(problem.vehicle, state.x[:BASE_SIZE])
     return replace(base, discrepancy=state.discrepancy.reshape(base.discrepancy.shape)), effects
 
 
 def start_of(problem: Problem) -> State:
     """State from which a fit without effects begins."""
     return State(
-        _START_OF_PEAK * np.eye(BASE_SIZE)[BASE_NAMES.index("peak")],
+        _START_OF_PEAK * np.eye(BASE_SIZE)[unknowns.BASE_NAMES.index("peak")],
         np.zeros(len(DISCREPANCY_PRECISION)),
-        np.zeros((len(problem.runs), len(RANDOM_EFFECTS))),
+        np.zeros((len(problem.runs), len(unknowns.RANDOM_EFFECTS))),
     )

@@ -23,15 +23,8 @@ from calib.car.history import START_TEMP, Motion, RunHistory
 from calib.car.lag import delayed, integral
 from calib.car.tyre import MagicFormula
 from calib.car.vehicle import Vehicle
-from calib.diagnosis.explanation.base import (
-    DISCREPANCY_FORCES,
-    FRONT_HEAT,
-    RANDOM_EFFECTS,
-    REAR_HEAT,
-    SLOPE,
-    ZERO,
-    Base,
-)
+from calib.diagnosis.explanation import unknowns
+from calib.diagnosis.explanation.unknowns import DISCREPANCY_FORCES, RANDOM_EFFECTS, Base
 from calib.diagnosis.explanation.wheel_lag import WheelLag
 from calib.logs.log import Log
 from calib.run.filters import block_mean, centred_mean, samples_in
@@ -67,11 +60,11 @@ class ObservedRun(RunHistory):
 
     def with_random_effects(self, random_effects: Array) -> Self:
         """Return the run with other ``random_effects`` (8,), and with the start heats by them."""
-        front = START_TEMP + float(random_effects[FRONT_HEAT])
+        front = START_TEMP + float(random_effects[unknowns.FRONT_HEAT])
         return replace(
             self,
             random_effects=random_effects,
-            start_heat=(front, front + float(random_effects[REAR_HEAT])),
+            start_heat=(front, front + float(random_effects[unknowns.REAR_HEAT])),
         )
 
 
@@ -184,8 +177,8 @@ def predict(
     for w, factor in combined.wheel_speed_factors(car, effects, motion).items():
         omega[WHEELS.index(w)] *= factor
     return Prediction(
-        a_x=combined.as_read(car, effects, history, -G * z) + run.random_effects[ZERO],
-        speed_gain=gain_read - G * run.random_effects[SLOPE] * (run.time - run.time[0]),
+        a_x=combined.as_read(car, effects, history, -G * z) + run.random_effects[unknowns.ZERO],
+        speed_gain=gain_read - G * run.random_effects[unknowns.SLOPE] * (run.time - run.time[0]),
         omega=omega,
         normalised_force=_by_wheel(normalised_force),
         slip_speed=_by_wheel(rolling * formula_slip),

@@ -14,9 +14,9 @@ from calib.car.braking import BITE
 from calib.car.effects.effects import Effects
 from calib.car.vehicle import Vehicle
 from calib.diagnosis.explanation import channels
-from calib.diagnosis.explanation.base import BASE_SIZE, Base, base_of
 from calib.diagnosis.explanation.channels import ChannelNoise, residuals, thinned, whiten
 from calib.diagnosis.explanation.predict import ObservedRun, predict
+from calib.diagnosis.explanation.unknowns import BASE_SIZE, Base, base_of
 
 _COASTING = 1e5  # added to the pressure, so that a ripple without torque has a phase, too [Pa]
 _MARGIN = 8  # samples before the brake first bites that do not count as unbraked

@@ -9,10 +9,10 @@ import calib
 from calib.base.arrays import Array
 from calib.car.effects.effects import Effects
 from calib.car.vehicle import Vehicle
-from calib.diagnosis.explanation.base import BASE_NAMES, LOW, RANDOM_EFFECTS
 from calib.diagnosis.explanation.fit import Fit, innovations, linearised
 from calib.diagnosis.explanation.hypothesis import Hypothesis, State, base_and_effects, start_of
 from calib.diagnosis.explanation.problem import Problem
+from calib.diagnosis.explanation.unknowns import BASE_NAMES, LOW, RANDOM_EFFECTS
 from calib.diagnosis.replays import without_discrepancy
 from calib.model.sensor_noise import add_noise
 from tests.support.effect_runs import SEDAN

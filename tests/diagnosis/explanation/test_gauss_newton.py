@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 
 import calib
-from calib.diagnosis.explanation.base import BASE_SIZE
 from calib.diagnosis.explanation.fit import linearised
 from calib.diagnosis.explanation.gauss_newton import fit_logs
 from calib.diagnosis.explanation.hypothesis import Hypothesis, start_of
+from calib.diagnosis.explanation.unknowns import BASE_SIZE
 from tests.support.explained import asked
 
 LATE = calib.sample_logs() / "hidden" / "case_2"

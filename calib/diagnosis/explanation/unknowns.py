@@ -47,31 +47,26 @@ _REACH = 0.25  # difference of force over which the discrepancy is correlated [1
 _CORRELATION_OF_AXLES = 0.7  # of the discrepancies of front and rear tyres [1]
 
 
-def _discrepancy_precision() -> Array:
-    """Precision (2 k, 2 k) of the discrepancies of both axles: a Gaussian process of the force."""
-    distances = DISCREPANCY_FORCES[:, None] - DISCREPANCY_FORCES  # (k, k)
-    # correlations of the forces, with a small uncorrelated part, and of the axles
-    forces = np.exp(-0.5 * (distances / _REACH) ** 2) + 0.01 * np.eye(DISCREPANCY_FORCES.size)
-    axles = [[1.0, _CORRELATION_OF_AXLES], [_CORRELATION_OF_AXLES, 1.0]]
-    return np.asarray(np.linalg.inv(np.kron(axles, _DISCREPANCY**2 * forces)))
-
-
-DISCREPANCY_PRECISION = _discrepancy_precision()
+_DISTANCES = DISCREPANCY_FORCES[:, None] - DISCREPANCY_FORCES  # (k, k)
+# correlations of the forces, with a small uncorrelated part, and of the axles
+_BY_FORCE = np.exp(-0.5 * (_DISTANCES / _REACH) ** 2) + 0.01 * np.eye(DISCREPANCY_FORCES.size)
+_BY_AXLE = [[1.0, _CORRELATION_OF_AXLES], [_CORRELATION_OF_AXLES, 1.0]]
+DISCREPANCY_PRECISION = np.asarray(np.linalg.inv(np.kron(_BY_AXLE, _DISCREPANCY**2 * _BY_FORCE)))
+"""Precision (2 k, 2 k) of the discrepancies of both axles: a Gaussian process of the force."""
 
 RANDOM_EFFECTS = tuple(row["name"] for row in _RANDOM_ROWS)
 GROUPS = tuple(dict.fromkeys(row["group"] for row in _RANDOM_ROWS))
-FACTOR_ON = {row["name"]: row["factor_on"] for row in _RANDOM_ROWS if row["factor_on"]}
-"""Random effects that are logarithms of factors, with the base parameters that they multiply."""
-_FACTORS = [RANDOM_EFFECTS.index(name) for name in FACTOR_ON]
+_FACTOR_ON = {row["name"]: row["factor_on"] for row in _RANDOM_ROWS if row["factor_on"]}
+FACTORS = [RANDOM_EFFECTS.index(name) for name in _FACTOR_ON]
+MULTIPLIED = [BASE_NAMES.index(name) for name in _FACTOR_ON.values()]
+"""Places of random effects that are logarithms of factors, and of the base parameters of these."""
 _GROUP_OF = np.array([row["group"] for row in _RANDOM_ROWS])
 _ALIKE_SIGMA, _USUAL_SIGMA, _OTHER_SIGMA = (
     np.array([float(row[key]) for row in _RANDOM_ROWS]) for key in ("alike", "usual", "other")
 )
 SCATTERED = ("pads", "road")  # groups in which logs usually differ a little
-# places of random effects in their arrays (8,); slope and zero act on v and a_x alone
-SLOPE, ZERO, FRONT_HEAT, REAR_HEAT = (
-    RANDOM_EFFECTS.index(name) for name in ("slope", "zero", "front_heat", "rear_heat")
-)
+NO_FACTORS = [place for place in range(len(RANDOM_EFFECTS)) if place not in FACTORS]
+SLOPE, ZERO, FRONT_HEAT, REAR_HEAT = NO_FACTORS  # in the order of the file
 
 
 @dataclass(frozen=True)
@@ -90,8 +85,8 @@ class Base:
 
     def of_log(self, random_effects: Array) -> Self:
         """Return the base of a log, whose ``random_effects`` (8,) change pads and tyres."""
-        factors = np.exp(random_effects[_FACTORS]).tolist()
-        factor = dict(zip(FACTOR_ON.values(), factors, strict=True))
+        factors = np.exp(random_effects[FACTORS]).tolist()
+        factor = dict(zip(_FACTOR_ON.values(), factors, strict=True))
         return replace(
             self,
             pad_friction_f=factor["pad_friction_f"] * self.pad_friction_f,
