@@ -159,22 +159,23 @@ class Search:
         return [*trials(fit, anew), *(t for t in self.base_trials if t.name not in anew)]
 
     def fit_additions(self, *, more_groups: bool = False) -> list[Fit]:
-        """Fit the best with one effect more; ``more_groups``: or with further groups, too.
+        """Fit the best hypothesis with a further effect; with ``more_groups`` also further groups.
 
-        Up to three promises in the present groups are fitted, and one in more groups. A promise is
-        fitted only if an error of the linear model can put it behind the best promise.
+        Up to three promises in the present groups are fitted, and one in more groups, unless they
+        lie behind the best promise by more than the linear model can be wrong.
         """
         best, tops = self.best, []
         promised = promises(best, self.best_trials, 1, more_groups)
-        for wider, count in ((False, 3), (True, 1)):
-            alike = [p for p in promised if (p.hypothesis.groups > best.hypothesis.groups) == wider]
-            largest = max((p.log_evidence - best.log_evidence for p in alike), default=0.0)
+        in_groups = [p for p in promised if p.hypothesis.groups == best.hypothesis.groups]
+        in_more_groups = [p for p in promised if p.hypothesis.groups > best.hypothesis.groups]
+        for candidates, count in ((in_groups, 3), (in_more_groups, 1)):
+            largest = max((p.log_evidence - best.log_evidence for p in candidates), default=0.0)
             least = best.log_evidence + max(5.0, (1.0 - _LINEAR_ERROR) * largest - 5.0)
-            tops += [p for p in alike if p.log_evidence > least][:count]
+            tops += [p for p in candidates if p.log_evidence > least][:count]
         return self.fits.best_of(tops, best, best.log_evidence - 2.0 * DECISIVE)
 
     def more_probable(self, fits: Iterable[Fit]) -> Iterator[Fit]:
-        """Yield the best three fits, best first, as far as they are surely more probable.
+        """Yield those of the best three fits that are surely more probable, best first.
 
         Fits that only the hold-outs speak against are withdrawn.
         """
@@ -205,12 +206,13 @@ class Search:
 
         A part is an effect or a group, which may have stood for two effects. To a best fit without
         parts one or two effects are added. Without the part the linear model may be far wrong, so
-        the best two single effects are fitted whatever they promise. A pair must promise more than
-        the best fit, and not have the part.
+        the best two single effects are fitted whatever they promise. A pair is fitted if it
+        promises more than the best fit and does not have the part.
         """
         best, fits = self.best, []
         count, more_groups = len(best.names), bool(best.hypothesis.groups)
-        for fit in self.fits.fewer(best, best.names) or [best]:
+        parts = self.fits.fewer(best, best.names)
+        for fit in parts if parts else [best]:
             promised = promises(fit, self._trials(fit), 1 if more_groups else 2, more_groups)
             part = best.hypothesis.parts - fit.hypothesis.parts
             single = [p for p in promised if len(p.hypothesis.names) <= count]

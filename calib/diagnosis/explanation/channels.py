@@ -128,7 +128,7 @@ def _freedom_of_drift(size: int) -> float:
 
 
 def _whitened_drift(x: Array) -> Array:
-    """Whitened v (..., m - 1) of the residual (..., m), in its unit: white noise keeps its sd."""
+    """Whitened v (..., m - 1) [m/s] of the residual (..., m); white noise keeps its variance."""
     from scipy.signal import lfilter
 
     # differences of white noise, filtered, have 2/(1 + _POLE) of its variance

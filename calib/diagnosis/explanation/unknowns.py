@@ -46,7 +46,6 @@ wheels lag, could explain a brake that acts late."""
 _REACH = 0.25  # difference of force over which the discrepancy is correlated [1]
 _CORRELATION_OF_AXLES = 0.7  # of the discrepancies of front and rear tyres [1]
 
-
 _DISTANCES = DISCREPANCY_FORCES[:, None] - DISCREPANCY_FORCES  # (k, k)
 # correlations of the forces, with a small uncorrelated part, and of the axles
 _BY_FORCE = np.exp(-0.5 * (_DISTANCES / _REACH) ** 2) + 0.01 * np.eye(DISCREPANCY_FORCES.size)
