@@ -1,15 +1,16 @@
-"""Declare a command by a function: what it reads, what it writes, what it returns.
+"""Declare a command by a function, its parameters and its `Answer`.
 
     @command("brake-cal fit ramp.csv --vehicle car.toml")
     def fit(logs: list[Path] = argument("Ramps.", "LOG..."), *, vehicle: Car) -> Answer:
 
-Parameters are arguments, keyword-only ones are options; those of a dataclass are its fields. Each
-is declared by `cli.options`, as its default or in its annotation. typer converts what is typed to
-the types that the function declares; `_Declaration` then does the rest, in this order:
+Positional parameters are arguments of the command, keyword-only parameters are options. A parameter
+whose type is a dataclass stands for one option of each field. `cli.options` declares each argument
+and option, as the default of the parameter or in its annotation. typer converts the typed words to
+simple types. `_Declaration` then does the rest, in this order:
 
     settings    fill in what was not typed
     outputs     refuse a place that cannot be written
-    make        convert, such as a path to the vehicle of its file
+    make        convert values, such as a path to the vehicle of its file
 """
 
 from collections.abc import Callable
@@ -17,7 +18,7 @@ from dataclasses import dataclass, fields, is_dataclass
 from functools import wraps
 from inspect import Parameter, Signature, signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ForwardRef, get_args, get_origin
+from typing import Annotated, Any, ForwardRef, get_args, get_origin
 
 import typer
 
@@ -25,11 +26,8 @@ from cli.console import print_json, print_result, print_warnings, this_run, usag
 from cli.options import Extra, from_settings, option
 from cli.outputs import check_file, write_page
 
-if TYPE_CHECKING:
-    from calib.show.facts import Facts
-
 FAILED, UNREADABLE, DAMAGED = 1, 3, 4
-"""Exit codes of a result: it fails its limits; an input is no use; a table is damaged."""
+"""Exit codes: a result fails its limits; an input cannot be used; a table is damaged."""
 
 
 @dataclass(frozen=True)
@@ -41,18 +39,9 @@ class Answer:
     exit_code: int = 0
     out: Path | None = None  # the folder that was written, which the next step names
 
-    @property
-    def facts(self) -> "Facts | str":
-        """The result in words."""
-        if isinstance(self.result, str):
-            return self.result
-        from calib.show.facts import facts_of
-
-        return facts_of(self.result).written(self.out)
-
 
 def _switch(text: str, *flags: str) -> Any:
-    """Annotation of an option without a value."""
+    """Return the annotation of an option without a value."""
     return Annotated[bool, option(text, None, *flags)]
 
 
@@ -65,17 +54,17 @@ _COMMON: dict[str, Any] = {
     "json": _switch("Print one JSON document on stdout.", "--json"),
     "force": _switch("Replace a file that exists, whatever it holds.", "--force"),
 }
-"""Options of every command; --report where it is declared, --force where a file is written."""
+"""Options of every command. --report must be declared; --force is there if a file is written."""
 
 
 def command(
     *examples: str, report: bool = False, cls: Any = None
 ) -> Callable[[Callable[..., Any]], Any]:
-    """Declare a command by its function, see above.
+    """Declare a command by its function, see the head of this file.
 
-    A switch, a list or what may be None is optional. A function that has a parameter ``json``
-    prints by itself. ``examples`` are lines of the help, ``report`` says whether the command has
-    the option --report, and ``cls`` is another class than that of typer.
+    Optional are a switch, an option that is a list, and a parameter that may be None. A function
+    with a parameter ``json`` prints its result by itself. ``examples`` are lines of the help,
+    ``report`` says whether the command has the option --report, ``cls`` replaces typer's class.
     """
 
     def declare(function: Callable[..., Answer]) -> Callable[..., None]:
@@ -100,15 +89,15 @@ def command(
 
 
 class _Declaration:
-    """The parameters of a command, as typer reads them and as its function gets them.
+    """The parameters of a command for typer, and their conversion to arguments of its function.
 
-    ``own`` are those of the function, by name, and instead of a dataclass its fields. ``common``
-    are the options of every command that the function does not declare.
+    ``own`` are the parameters of the function by name, with the fields of each dataclass in its
+    place. ``common`` are the options of every command, without those that the function declares.
     """
 
     def __init__(self, function: Callable[..., Answer], report: bool):
         declared = signature(function).parameters.values()
-        self._groups: dict[str, Any] = {
+        self._groups: dict[str, Any] = {  # dataclasses by the name of their parameter
             p.name: p.annotation for p in declared if is_dataclass(p.annotation)
         }
         ungrouped = [p for parameter in declared for p in _ungrouped(parameter)]
@@ -116,15 +105,19 @@ class _Declaration:
         self._infos = {name: _info(p.annotation) for name, p in self.own.items()}
         if report:
             self._infos["report"] = _info(_COMMON["report"])
-        left_out = set(self.own)
+        common = _COMMON.keys() - self.own.keys()
         if not report:
-            left_out.add("report")
+            common.remove("report")
         if not any(_writes_file(info) for info in self._infos.values()):
-            left_out.add("force")
-        self.common = {name: _common(name) for name in _COMMON if name not in left_out}
+            common.remove("force")
+        self.common = {
+            name: Parameter(name, Parameter.KEYWORD_ONLY, annotation=hint, default=_default(hint))
+            for name, hint in _COMMON.items()
+            if name in common
+        }
 
     def arguments(self, values: dict[str, Any]) -> dict[str, Any]:
-        """Return the arguments of the function, by name, from the typed ``values``."""
+        """Return the arguments of the function by name, from the ``values`` of typer."""
         run = this_run()
         run.quiet, run.verbose = values["quiet"], values["verbose"]
         run.force = values.get("force", False)
@@ -137,7 +130,7 @@ class _Declaration:
         return arguments
 
     def _fill_in(self, values: dict[str, Any]) -> None:
-        """Fill in a setting of the project, or what is built in, where nothing was typed."""
+        """Fill in a setting of the project, or else the built-in value, if none was typed."""
         for name, info in self._infos.items():
             extra: Extra = info.extra
             if extra.setting and not values[name]:
@@ -148,15 +141,15 @@ class _Declaration:
                     values[name] = extra.built_in
 
     def _remember_inputs(self, values: dict[str, Any]) -> None:
-        """Keep the files that are read, which no output may replace."""
+        """Remember the files to read, which no output may replace."""
         for name, info in self._infos.items():
-            typed = values[name] if isinstance(values[name], list) else [values[name]]
-            files = [value for value in typed if isinstance(value, Path)]
+            words = values[name] if isinstance(values[name], list) else [values[name]]
+            files = [word for word in words if isinstance(word, Path)]
             if files and info.extra.writes is None:
                 this_run().inputs[name] = files
 
     def _check_outputs(self, values: dict[str, Any]) -> None:
-        """Refuse a file that cannot be written; a command checks a folder itself."""
+        """Refuse a file that cannot be written. The command itself checks a folder."""
         for name, info in self._infos.items():
             if values[name] is not None and _writes_file(info):
                 check_file(values[name], info.extra.writes, _flag(name, info))
@@ -167,12 +160,12 @@ def _writes_file(info: Any) -> bool:
 
 
 def _info(annotation: Any) -> Any:
-    """Return the declaration by `cli.options` in the annotation of a parameter."""
+    """Return the declaration of `cli.options` in the annotation of a parameter."""
     return get_args(annotation)[1]
 
 
 def _ungrouped(parameter: Parameter) -> list[Parameter]:
-    """Return a parameter, or the fields of its dataclass, which are options of several commands."""
+    """Return a parameter, or the parameters for the fields of its dataclass."""
     kind, keyword = parameter.annotation, Parameter.KEYWORD_ONLY
     if not is_dataclass(kind):
         return [parameter]
@@ -180,24 +173,19 @@ def _ungrouped(parameter: Parameter) -> list[Parameter]:
 
 
 def _typed(parameter: Parameter) -> Parameter:
-    """Return a parameter as typer reads it: ``Annotated[type that is typed, declaration]``."""
+    """Return a parameter for typer, with the annotation ``Annotated[type, declaration]``."""
     kind, info = parameter.annotation, parameter.default
     if get_origin(kind) is Annotated:
         kind, info = get_args(kind)
-    if isinstance(kind, str | ForwardRef):  # a quoted type, made of a file: its path is typed
+    if isinstance(kind, str | ForwardRef):  # a quoted type: the path of its file is typed
         kind = Path | None
     hint: Any = Annotated[kind if info.extra.typed is None else info.extra.typed, info]
     default = _default(hint, is_option=parameter.kind == Parameter.KEYWORD_ONLY)
     return parameter.replace(annotation=hint, default=default)
 
 
-def _common(name: str) -> Parameter:
-    hint = _COMMON[name]
-    return Parameter(name, Parameter.KEYWORD_ONLY, annotation=hint, default=_default(hint))
-
-
 def _default(hint: Any, *, is_option: bool = True) -> Any:
-    """Return the default value of a parameter for typer; a parameter without one is required."""
+    """Return the default of a parameter for typer; `Parameter.empty` if it is required."""
     kind, info = get_args(hint)
     extra: Extra = info.extra
     if extra.setting and extra.built_in is not None:
@@ -210,7 +198,7 @@ def _default(hint: Any, *, is_option: bool = True) -> Any:
 
 
 def _converted(name: str, info: Any, value: Any) -> Any:
-    """Return the value of a parameter, converted; an error names the option."""
+    """Return the converted value of a parameter. An error names the option."""
     extra: Extra = info.extra
     if extra.make is None or (value is None and not extra.always):
         return value
@@ -224,7 +212,7 @@ def _converted(name: str, info: Any, value: Any) -> Any:
 
 
 def _flag(name: str, info: Any) -> str:
-    """Return how a parameter is called on the command line, such as ``--out`` or ``LOG``."""
+    """Return the name of a parameter on the command line, such as ``--out`` or ``LOG``."""
     flags = info.extra.flags
     if flags is None:
         return str(info.metavar)
@@ -232,15 +220,18 @@ def _flag(name: str, info: Any) -> str:
 
 
 def _print_answer(answer: Answer, as_json: bool, page: Path | None) -> None:
-    """Print an answer, its warnings first, and write it as a page if one is wanted."""
-    facts = answer.facts
-    if not isinstance(facts, str):
-        print_warnings(facts.warnings)
+    """Print an answer, its warnings first, and write it as a page if --report was typed."""
+    result: Any = answer.result
+    if not isinstance(result, str):
+        from calib.show.facts import facts_of
+
+        result = facts_of(result).written(answer.out)
+        print_warnings(result.warnings)
         if page is not None:
-            write_page(page, facts, "--report")
+            write_page(page, result, "--report")
     if this_run().documents:  # the command has printed its document itself
         return
     if as_json:
         print_json({"schema": 1, **answer.document})
-    elif facts:
-        print_result(facts)
+    elif result:
+        print_result(result)

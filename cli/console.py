@@ -40,31 +40,36 @@ class _CommandRun:
     verbose: bool = False
     force: bool = False
     documents: int = 0  # number of JSON documents that were printed
-    inputs: dict[str, list[Path]] = field(default_factory=dict)  # typed files, by parameter
+    inputs: dict[str, list[Path]] = field(default_factory=dict)  # files to read, by parameter
     project: "Project | None" = None  # settings of the project, once they are read
     uses_settings: bool = False  # whether a value of the settings was used
     interrupted: bool = False  # whether a signal asked the run to stop
 
     def file(self, name: str) -> Path | None:
-        """Return the file that was typed for a parameter, None for none."""
+        """Return the file that is read for a parameter; None without such a file."""
         return next(iter(self.inputs.get(name, ())), None)
+
+    def files(self, *names: str) -> dict[str, Path]:
+        """Return the files of parameters and the channel map, by the name that a page shows."""
+        files = {name.replace("_", " "): self.file(name) for name in (*names, "channel_map")}
+        return {name: file for name, file in files.items() if file is not None}
 
 
 _RUN: ContextVar[_CommandRun] = ContextVar("run")
 
 
 def begin_run() -> None:
-    """Begin a run with default options."""
+    """Begin a run without options."""
     _RUN.set(_CommandRun())
 
 
 def this_run() -> _CommandRun:
-    """Return the current run, or a default one."""
+    """Return the current run, or a run without options."""
     return _RUN.get(_CommandRun())
 
 
 def say(message: str) -> None:
-    """Print a message on stderr, but not with -q."""
+    """Print a message on stderr, except with -q."""
     if not this_run().quiet:
         _console(sys.stderr).print(message, soft_wrap=True)
 
@@ -83,13 +88,13 @@ def print_warnings(warnings: Iterable[object]) -> None:
 
 
 def usage_error(message: str, option: str | None = None) -> typer.BadParameter:
-    """Return the error for a mistake in what was typed, at an option or an argument."""
+    """Return the error for a mistake on the command line, at an option or argument."""
     return typer.BadParameter(message, param_hint=option)
 
 
 @contextmanager
 def at_option(option: str | None, error: type[Exception]) -> Iterator[None]:
-    """Turn an ``error`` of the library into a mistake in what was typed at an option."""
+    """Turn an ``error`` of the library into a usage error at an option."""
     try:
         yield
     except error as cause:
@@ -99,27 +104,23 @@ def at_option(option: str | None, error: type[Exception]) -> Iterator[None]:
 class PageText(str):
     """Markdown of a page of the manual."""
 
-    __slots__ = ()
-
 
 def print_result(result: "Facts | str", stream: IO[str] | None = None) -> None:
-    """Print a result on stdout, or on another stream. The details of facts need -v.
+    """Print a result on stdout, or on another stream; details of facts only with -v.
 
-    A terminal shows a `PageText` in a pager, at its width.
+    A terminal shows a `PageText` in a pager.
     """
     from calib.show.terminal import drawn
 
-    if isinstance(result, PageText) and sys.stdout.isatty():
-        _show_page(result)
-        return
     stream = stream or sys.stdout
-    console, is_piped = _console(stream), _is_piped(stream)
-    if isinstance(result, str):
+    console, run = _console(stream), this_run()
+    if isinstance(result, PageText) and stream.isatty():
+        _show_page(result)
+    elif isinstance(result, str):
         console.print(result, soft_wrap=True)
-        return
-    run = this_run()
-    for part in drawn(result, quiet=run.quiet, details=run.verbose):
-        console.print(part, soft_wrap=is_piped or isinstance(part, str))
+    else:
+        for part in drawn(result, quiet=run.quiet, details=run.verbose):
+            console.print(part, soft_wrap=_is_piped(stream) or isinstance(part, str))
 
 
 def _show_page(text: PageText) -> None:
@@ -133,13 +134,8 @@ def _show_page(text: PageText) -> None:
         console.print(Markdown(for_terminal(text)))
 
 
-def print_line(text: str) -> None:
-    """Print a line on stdout at once."""
-    print(printable(text), flush=True)  # noqa: T201
-
-
 def print_json(document: object) -> None:
-    """Print ``document`` as the only JSON document on stdout; `plain` says of which types."""
+    """Print ``document``, of the types that `plain` knows, as the JSON document of the run."""
     this_run().documents += 1
     print(json_text(document), end="", flush=True)  # noqa: T201
 
@@ -160,7 +156,7 @@ def plain(value: object) -> Any:
 
 
 def _unwrapped(value: Any) -> Any:
-    """Convert a mapping, or an array or scalar of numpy, which need not be imported for it."""
+    """Convert a mapping, or an array or scalar of numpy. Numpy is not imported for this."""
     if isinstance(value, Mapping):
         return dict(value)
     if hasattr(value, "tolist"):
@@ -169,12 +165,12 @@ def _unwrapped(value: Any) -> Any:
 
 
 Step = Callable[..., None]
-"""Called after each step without arguments, or as step(stage, steps_done, in_all)."""
+"""Report of progress: step() after each step, or step(stage, steps_done, in_all)."""
 
 
 @contextmanager
 def progress(task: str = "", total: int | None = None) -> Iterator[Step]:
-    """Show the progress of a task, as a bar on a terminal. Yields the `Step` to call."""
+    """Show the progress of a task, on a terminal as a bar. Yields the `Step` to call."""
     console = _console(sys.stderr)
     if this_run().quiet or not (sys.stderr.isatty() and console.is_interactive):
         if task:
@@ -202,7 +198,7 @@ def _is_piped(stream: IO[str]) -> bool:
 
 
 def _console(stream: IO[str]) -> "Console":
-    """Return a console that escapes control characters, also in the cells of a table."""
+    """Return a console that escapes control characters."""
     from rich.console import Console
     from rich.text import Text
 

@@ -29,7 +29,7 @@ class Shape:
     double: Annotated[bool, option(_DOUBLE)]
 
     def precision(self, code: bool = False) -> "Precision | None":
-        """Return the precision that was typed, of C ``code`` or not; None for the full table."""
+        """Return the typed precision, or None for the full table. C ``code`` needs a precision."""
         from calib.base.errors import ExchangeError
         from calib.table.exported import Precision
 
@@ -37,7 +37,8 @@ class Shape:
             raise usage_error("not beside --float or --fixed-point", "--double")
         if self.points is None and self.bits is None and not (self.single or code):
             return None
-        single = self.single or (code and not self.double and self.bits is None)
+        is_single_by_default = code and not self.double and self.bits is None
+        single = self.single or is_single_by_default
         with at_option("--points, --fixed-point, --float", ExchangeError):
             return Precision(self.points, self.bits, single, code)
 
@@ -101,7 +102,7 @@ def export(
 
 
 def _check_out(out: Path, stored: "Stored", prefix: str | None, *, is_folder: bool) -> None:
-    """Refuse a place that holds anything but an export of this version."""
+    """Refuse a place that holds anything but an export of the version ``stored``."""
     from calib.ecu.code import OURS, files_of
 
     digest = stored.digest.encode()

@@ -70,16 +70,9 @@ def fit(
         fleet = released_cars(store, car, digests) if fleet_prior else {}
         table = fit_table(car, runs, mass=mass, bench=bench, tyre=tyre, fleet=fleet)
     stored = store.save(table)
-    ramp_digests = {log.digest for log in table.provenance.logs if log.role == "ramp"}
-    ramps = [run for run in runs if run.digest in ramp_digests]
-    files = files_of("vehicle", "model", "bench", "tyre")
+    ramps = [run for run in runs if run.digest in stored.ramp_digests]
+    files = this_run().files("vehicle", "model", "bench", "tyre")
     used_mass = mass_used(car, mass)
     achieved = compare(plan, table, runs, used_mass) if plan else None
     fitted = Fitted(stored, used_mass, ramps, files, achieved)
     return Answer(document(fitted), fitted)
-
-
-def files_of(*options: str) -> dict[str, Path]:
-    """Return the files that were typed as ``options`` or as channel map, by the name for a page."""
-    files = {name: this_run().file(name) for name in (*options, "channel_map")}
-    return {name.replace("_", " "): file for name, file in files.items() if file is not None}

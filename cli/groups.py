@@ -8,22 +8,20 @@ from typer.core import TyperGroup
 
 
 class Row(NamedTuple):
-    """A command in the help of its group: the heading above it, its name and its summary."""
+    """A line of the help of a group, which lists a command."""
 
-    heading: str
+    heading: str  # above the line
     name: str
     summary: str
 
 
 class Group(TyperGroup):
-    """A group of commands, which its help lists under headings with whole summaries."""
+    """A group of commands. Its help lists them under headings, with whole summaries."""
 
     def rows(self) -> list[Row]:
         """Return every command in the order of the help."""
-        commands: list[tuple[str, Any]] = list(self.commands.items())
-        return [
-            Row(command.rich_help_panel, name, command.short_help) for name, command in commands
-        ]
+        commands: Any = self.commands
+        return [Row(x.rich_help_panel, name, x.short_help) for name, x in commands.items()]
 
     def list_commands(self, ctx: Any) -> list[str]:
         """Return the names of the commands in the order of the help."""
@@ -48,7 +46,7 @@ def first_sentence(text: str) -> str:
 
 
 def add(app: typer.Typer, heading: str, *commands: Any) -> None:
-    """Add functions that `cli.command.command` declared to a group, under a heading of its help."""
+    """Add commands, declared by `cli.command.command`, to a group under a heading of its help."""
     for function in commands:
         app.command(
             function.__name__.rstrip("_"),
@@ -66,20 +64,16 @@ def group(name: str, text: str, *examples: str, cls: Any = Group, **more: Any) -
         name=name,
         cls=cls,
         rich_markup_mode=None,
-        add_completion=cls is not Group,  # the program alone has a class of its own
+        add_completion=cls is not Group,  # only the whole program is of another class
         no_args_is_help=True,
         short_help=first_sentence(text),
         epilog=example(*examples),
         **more,
     )
-    app.callback(help=text)(_nothing)
+    app.callback(help=text)(lambda: None)  # typer needs one for a group with a single command
     return app
 
 
-def _nothing() -> None:
-    """Do nothing; typer needs a callback to keep a group with one command a group."""
-
-
 def example(*lines: str) -> str:
-    """Return the end of a help text: ``lines`` that can be run in the folder of the demo."""
+    """Return the end of a help text, with ``lines`` that run in the folder of the demo."""
     return "\n".join(("\b", "Example:", *(f"  {line}" for line in lines)))

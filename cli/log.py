@@ -11,7 +11,6 @@ from cli.outputs import PAGES, write_file, write_page
 
 if TYPE_CHECKING:
     from calib.logs.whole import Inventory, WholeLog
-    from calib.plausibility.check import Findings
     from calib.run.events import RunEvent
 
 
@@ -27,8 +26,7 @@ def check(logs: list[Path] = argument("Logs to check.", "LOG..."), *, channel_ma
     from calib.plausibility.check import to_dict
     from calib.show.check import check_facts
 
-    findings: list[Findings] = []
-    failed: list[tuple[Path, InputError]] = []  # logs that cannot be read, with the reason
+    findings, failed = [], []
     with progress() as step:
         for i, path in enumerate(logs):
             step(f"reading {path.name}", i, len(logs))
@@ -79,7 +77,7 @@ def log(
     if out is not None and len(logs) > 1:
         raise usage_error(f"takes one log; {len(logs)} were given", "--out")
     write = WRITERS.get(out.suffix.lower()) if out is not None else None
-    contents: list[tuple[WholeLog, tuple[Inventory, ...], tuple[RunEvent, ...]]] = []
+    contents = []
     for path in logs:
         whole = read_whole(path, channel_map)
         if start is not None or until is not None:

@@ -1,4 +1,4 @@
-"""Reading the logs of the command line."""
+"""Read the logs of the command line."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -14,9 +14,9 @@ if TYPE_CHECKING:
 def read_all(
     paths: Sequence[Path], channel_map: "ChannelMap | None", step: Step, more: int = 0
 ) -> "list[Log]":
-    """Read logs one by one, with a progress bar that has ``more`` steps after them.
+    """Read logs one by one, and show progress; ``more`` is the number of steps after the logs.
 
-    Raises LogError for the first one that cannot be used.
+    Raises LogError for the first log that cannot be used.
     """
     runs = []
     for i, path in enumerate(paths):

@@ -46,8 +46,7 @@ def qualify(
         return _qualified(out)
     findings = examine(store)
     is_wrong = any(finding.state == WRONG for finding in findings)
-    verdict = WRONG if is_wrong else FINE
-    document = {"version": VERSION, "verdict": verdict, "findings": findings}
+    document = {"version": VERSION, "verdict": WRONG if is_wrong else FINE, "findings": findings}
     return Answer(document, doctor_facts(findings), FAILED if is_wrong else 0)
 
 
@@ -104,7 +103,7 @@ def demo(
 def _run(folder: Path, step: "Step") -> "Ran":
     """Run the command of a step as a shell in ``folder`` would.
 
-    The answer is the first printed line; that of `plot` is what the picture says.
+    The answer is the first printed line; of `plot`, it is the result or title of the picture.
     """
     from calib.base.names import SETTINGS_VARIABLE
     from calib.help.demo import Ran

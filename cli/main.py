@@ -18,7 +18,7 @@ from cli.groups import Group, Row, add, group
 from cli.streams import NotWritten, delivered
 
 _UsageError: Any = typer.BadParameter.__base__
-"""What typer raises for a wrong command line; it exports only the one for a wrong value."""
+"""The error of typer for a wrong command line. typer exports only the one for a wrong value."""
 
 _SUBJECTS = {
     "One car": {
@@ -55,13 +55,15 @@ _SUBJECTS = {
         "machine:qualify": "Say whether the program works on this machine",
     },
 }
-"""Commands by subject, "MODULE:FUNCTION" with the first sentence of its help."""
+"""Commands by subject: the place "MODULE:FUNCTION", and the first sentence of the help."""
 
-_PLACES = {
-    Row(subject, place.partition(":")[2].rstrip("_"), summary): place
+_ROWS = [
+    Row(subject, place.partition(":")[2].rstrip("_"), summary)
     for subject, summaries in _SUBJECTS.items()
     for place, summary in summaries.items()
-}
+]
+_PLACES = {place.partition(":")[2].rstrip("_"): place for x in _SUBJECTS.values() for place in x}
+"""The place of each command, by its name."""
 
 
 class Commands(Group):
@@ -69,22 +71,21 @@ class Commands(Group):
 
     def rows(self) -> list[Row]:
         """Return every command in the order of the help."""
-        return [*_PLACES]
+        return _ROWS
 
     def get_command(self, ctx: Any, name: str) -> Any:
-        """Return the command of a name, None for an unknown one; ``explain`` is ``manual``."""
+        """Return the command of a name, None for an unknown name; ``explain`` is ``manual``."""
         name = "manual" if name == "explain" else name
-        places = {row.name: place for row, place in _PLACES.items()}
-        # of an unknown name all are imported, so that typer can suggest one
-        for wanted in [name] if name in places else places:
-            if wanted not in self.commands:
-                self.commands[wanted] = _load(wanted, places[wanted])
+        # for an unknown name all commands are imported, so that typer can suggest one
+        for known in [name] if name in _PLACES else _PLACES:
+            if known not in self.commands:
+                self.commands[known] = _load(known)
         return super().get_command(ctx, name)
 
 
-def _load(name: str, place: str) -> Any:
-    """Import a command or a group from its place."""
-    module, _, attribute = place.partition(":")
+def _load(name: str) -> Any:
+    """Import a command or a group."""
+    module, _, attribute = _PLACES[name].partition(":")
     declared = getattr(import_module(f"cli.{module}"), attribute)
     app = declared
     if not isinstance(declared, typer.Typer):
@@ -108,7 +109,7 @@ app = group(
 _INTERRUPTED = 130
 """Exit code after Ctrl-C and SIGTERM, as `typer` gives it."""
 _OBJECTS_PER_COLLECTION = 100_000
-"""New objects after which CPython looks for garbage; usually 700."""
+"""Number of new objects after which CPython looks for garbage, 700 by default."""
 
 
 def _print_version(is_wanted: bool) -> None:
@@ -137,7 +138,7 @@ def main() -> None:
     for library in ("OPENBLAS", "OMP", "MKL"):
         # arrays are small here: threads of the linear algebra take more time than they save
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
-    # a short command makes next to no garbage, and spends a tenth of its time on looking for it
+    # a command makes little garbage, and would spend a tenth of its time on looking for it
     gc.set_threshold(_OBJECTS_PER_COLLECTION)
     begin_run()
     for number in STOP_SIGNALS:
@@ -145,8 +146,8 @@ def main() -> None:
             signal.signal(number, _interrupt)
     code = delivered(_run)
     if code == _INTERRUPTED:
-        # CPython ends by the signal, not with the exit code, if an interrupt met code made from
-        # text, such as that of a dataclass; running other such code takes that back
+        # If an interrupt came while exec ran code, as a dataclass does, CPython ends by the signal
+        # instead of the exit code, unless another exec succeeds
         exec("")
     sys.exit(code)
 
@@ -163,7 +164,7 @@ def _run() -> int:
     except NotWritten:
         raise
     except Exception as error:
-        # an interrupt within the import of a library comes back as an error of that import
+        # an interrupt while a library is imported becomes an error of that import
         if not (this_run().interrupted or isinstance(error, typer.Abort)):
             return _report(error)
         code = _INTERRUPTED
@@ -179,14 +180,14 @@ def _report(error: Any) -> int:
     if "--json" in options and not this_run().documents:
         print_json({"schema": 1, "error": failure.to_dict()})
     if isinstance(error, _UsageError) and error.message.startswith("Usage:"):
-        error.show()  # nothing was typed after a group: its help
+        error.show()  # prints the help of a group, after which nothing was typed
     else:
         print_error(str(failure))
     return failure.exit_code
 
 
 def _failure(error: Any) -> BrakeCalError:
-    """Return an error as one of the library. -v prints the traceback of what nobody caught."""
+    """Return an error as an error of the library. -v prints the traceback of any other error."""
     if isinstance(error, BrakeCalError):
         return error
     if isinstance(error, _UsageError):
@@ -204,19 +205,24 @@ def _failure(error: Any) -> BrakeCalError:
 
 
 def _usage(error: Any) -> UsageError:
-    """Return a wrong command line as an error of the library, in its form instead of typer's."""
-    parameter = getattr(error, "param", None)
-    name, text = _described(parameter) if parameter else (None, "")
+    """Return an error of typer on the command line as an error of the library."""
+    name, text = None, ""
+    parameter: Any = getattr(error, "param", None)
+    if parameter:
+        text = parameter.help[:1].lower() + parameter.help[1:].removesuffix(".")
+        name = parameter.metavar
+        if parameter.param_type_name == "option":
+            name, text = parameter.opts[0], f"{parameter.metavar} ({text})"
     where = getattr(error, "param_hint", None) or name
     problem, expected = error.message.removesuffix("."), ""
     if hasattr(error, "param_type"):  # typer's MissingParameter
         problem, expected = "missing", text
     elif hasattr(error, "possibilities"):  # typer's NoSuchOption
         problem = f"unknown option {error.option_name}"
-        for near in get_close_matches(error.option_name, error.possibilities or [], 1, _LIKE):
-            problem += f"; did you mean {near}?"
-    for phrase, ours in _PHRASES.items():
-        problem = problem.replace(phrase, ours)
+        similar = get_close_matches(error.option_name, error.possibilities or [], 1, _LIKE)
+        problem += f"; did you mean {similar[0]}?" if similar else ""
+    for phrase, replacement in _PHRASES.items():
+        problem = problem.replace(phrase, replacement)
     command = error.ctx.command_path if error.ctx else "brake-cal"
     problem = problem[:1].lower() + problem[1:]
     return UsageError(problem, where=where, expected=expected, do=f"see `{command} --help`")
@@ -230,17 +236,9 @@ _PHRASES = {
     "Input should be a valid integer, unable to parse string as an integer": "no whole number",
     "Input should be a valid number, unable to parse string as a number": "no number",
 }
-"""Phrases of typer, and those of the messages here."""
+"""Phrases of typer, and what this program says instead."""
 _LIKE = 0.75
-"""Similarity from which on another option is meant; two letters exchanged give 0.8 to 0.95."""
-
-
-def _described(parameter: Any) -> tuple[str, str]:
-    """Return how a parameter is typed, ``--out`` or ``LOG...``, and what its help expects."""
-    text = parameter.help[:1].lower() + parameter.help[1:].removesuffix(".")
-    if parameter.param_type_name == "argument":
-        return str(parameter.metavar), text
-    return str(parameter.opts[0]), f"{parameter.metavar} ({text})"
+"""Least similarity of a suggested option; two letters exchanged give 0.8 to 0.95."""
 
 
 if __name__ == "__main__":

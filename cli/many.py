@@ -1,4 +1,4 @@
-"""`brake-cal batch`, `watch` and `fleet`: run one command on many logs, and sum up the results."""
+"""`brake-cal batch`, `watch` and `fleet`: run one command on many logs, and compare the results."""
 
 import json as json_module
 import signal
@@ -17,7 +17,6 @@ from cli.console import (
     STOP_SIGNALS,
     json_text,
     print_error,
-    print_line,
     progress,
     say,
     this_run,
@@ -36,7 +35,7 @@ if TYPE_CHECKING:
 _NAMES = f"{__name__}:_COMMANDS"
 _COMMANDS = tuple(command.value for command in Command)
 _COMMAND = argument("fit, validate or check.", "COMMAND", typed=str, names=_NAMES, make=Command)
-_Job = Annotated[Command, _COMMAND]
+_CommandArgument = Annotated[Command, _COMMAND]
 
 
 @dataclass(frozen=True)
@@ -67,7 +66,7 @@ class Inputs:
     channel_map: options.Map
 
     def job(self, command: Command) -> "Job":
-        """Return the job for each log. Refuses an option that is missing or not used."""
+        """Return the work for each log. Refuses an option that is missing or not used."""
         from calib.car.vehicle import require_same_car
         from calib.estimation.limits import DEFAULTS
         from calib.line.fleet.results import NAME
@@ -105,7 +104,7 @@ class Inputs:
     "brake-cal batch validate 'sample_logs/sedan/*pads.csv' --table sedan-2up --out validated",
 )
 def batch(
-    command: _Job,
+    command: _CommandArgument,
     logs: list[str] = argument("Logs, or folders of logs.", "GLOB|DIR|LOG..."),
     *,
     inputs: Inputs,
@@ -143,7 +142,7 @@ def batch(
 
 @command("brake-cal watch check sample_logs/sedan --out watched")
 def watch(
-    command: _Job,
+    command: _CommandArgument,
     folder: Path = argument("Folder of logs.", "DIR"),
     *,
     inputs: Inputs,
@@ -167,7 +166,8 @@ def watch(
 
     def on_row(row: "Row") -> None:
         document = {**row.head(), "figures": row.metrics(command)}
-        print_line(json_module.dumps(document, allow_nan=False) if json else row.line(command))
+        line = json_module.dumps(document, allow_nan=False) if json else row.line(command)
+        print(printable(line), flush=True)  # noqa: T201
 
     with closing(Pool(inputs.workers or cores())) as pool, writing(out), _stop_event() as stop:
         say(f"watching {folder} for logs to {command.value}; Ctrl-C ends it")
@@ -179,7 +179,7 @@ def watch(
 
 @contextmanager
 def _stop_event() -> Iterator[Event]:
-    """Yield an event that the first signal to stop sets; a second signal acts as usual."""
+    """Yield an event. The first signal to stop sets this event, a second signal acts as usual."""
     stop = Event()
     usual_handlers = {number: signal.getsignal(number) for number in STOP_SIGNALS}
 

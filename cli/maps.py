@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def _sources(texts: list[str]) -> dict[str, str]:
-    """Return the column of each channel, from texts ``CHANNEL=NAME``."""
+    """Return the column of each channel from ``texts`` such as "p_mc=BrkPress [kPa]"."""
     sources = {}
     for text in texts:
         channel, separator, name = text.partition("=")
@@ -73,9 +73,9 @@ def map_(
         missing = ", ".join(proposal.missing)
         print_error(f"{log}: {missing} missing; a table needs it: log it, or name it with --take")
     record = asdict(proposal)
-    record["left"] = record.pop("unused")
-    written = toml if is_certain else None
-    document = {"certain": not proposal.doubts, **record, "toml": written}
-    code = FAILED if proposal.missing else 0
-    text = (written or "").rstrip("\n") if out is None else ""
-    return Answer(document, text, code if is_certain else UNREADABLE)
+    record["left"] = record.pop("unused")  # scripts know the unused columns by this key
+    record |= {"certain": not proposal.doubts, "toml": toml if is_certain else None}
+    if not is_certain:
+        return Answer(record, "", UNREADABLE)
+    text = toml.rstrip("\n") if out is None else ""
+    return Answer(record, text, FAILED if proposal.missing else 0)

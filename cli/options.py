@@ -1,7 +1,7 @@
-"""Options and arguments: how each is typed, and what it becomes before a command gets it.
+"""Options and arguments: how each is typed, and to what its value is converted for a command.
 
-The annotation of a parameter is the type that the command gets. It is quoted where that type would
-have to be imported for it; then a path is typed.
+The annotation of a parameter is the type that the command gets. If a path is typed and converted to
+another type, the annotation is quoted, so that this type need not be imported.
 """
 
 from collections.abc import Callable, Collection, Mapping
@@ -25,25 +25,24 @@ if TYPE_CHECKING:
 
 LIMITS_OF_STOPS = "calib.line.station.limits_file:limits_of_stops"
 NO_VEHICLE = 'give --vehicle V.toml, or write vehicle = "V.toml" into brake-cal.toml'
-"""What to do where a vehicle is needed and none was named."""
 _MAX_LISTED = 60
-"""Known names that are listed after an unknown one; more of them would hide the message."""
+"""Largest number of known names that the message on an unknown name lists."""
 Make = Callable[[Any], Any] | str
-"""A conversion: a function, or "module:NAME" of one that is imported when it is used."""
+"""A conversion: a function, or "module:NAME" of a function that is imported when it is used."""
 
 
 @dataclass(frozen=True)
 class Extra:
-    """What an option or argument has that typer does not know."""
+    """Properties of an option or argument that typer does not have."""
 
-    typed: Any = None  # type that is typed, if it is not that of the annotation
+    typed: Any = None  # type of the typed value, if it is not that of the annotation
     make: Callable[[Any], Any] | None = None  # conversion to what the command gets
     always: bool = False  # whether None is converted, too
     writes: str | None = None  # kind of an output file, see `cli.outputs`, or "folder"
     setting: str = ""  # key of the settings file that gives the value if none was typed
-    when: Callable[[Mapping[str, Any]], bool] = lambda values: True  # if the setting is used
-    built_in: Any = None  # value if nothing else gives one
-    flags: tuple[str, ...] | None = None  # how an option is written; None for an argument
+    when: Callable[[Mapping[str, Any]], bool] = lambda values: True  # whether the setting is used
+    built_in: Any = None  # value if none was typed and no setting has one
+    flags: tuple[str, ...] | None = None  # spellings of an option; None for an argument
 
 
 def option(text: str, metavar: str | None = None, *flags: str, **more: Any) -> Any:
@@ -51,9 +50,9 @@ def option(text: str, metavar: str | None = None, *flags: str, **more: Any) -> A
 
     Parameters
     ----------
-    flags : how it is written, if not as its parameter.
-    more : fields of `Extra`, parameters of typer.Option, and ``names``: "module:NAME" of the known
-        values, which are completed, and any other is refused. ``make`` is a `Make`.
+    flags : spellings of the option, if they do not follow from the name of its parameter.
+    more : fields of `Extra`, where ``make`` is a `Make`; parameters of typer.Option; ``names``,
+        the "module:NAME" of the known values. A shell completes them, other values are refused.
     """
     typer_option: Any = typer.Option  # its types take the first flag for a default
     return _declared(partial(typer_option, *flags), text, metavar, flags=flags, **more)
@@ -65,7 +64,7 @@ def argument(text: str, metavar: str, **more: Any) -> Any:
 
 
 def _declared(
-    kind: Any,
+    constructor: Any,
     text: str,
     metavar: str | None,
     *,
@@ -73,24 +72,22 @@ def _declared(
     names: str = "",
     **more: Any,
 ) -> Any:
-    """Return an option or argument of typer that carries its `Extra` as ``extra``."""
+    """Return an option or argument of typer with its `Extra` as ``extra``."""
     if names:
         more["autocompletion"] = lambda incomplete: _names(names)
     extra = {field.name: more.pop(field.name) for field in fields(Extra) if field.name in more}
-    info = kind(help=text, metavar=metavar, **more)
+    info = constructor(help=text, metavar=metavar, **more)
     conversion = partial(_converted, make, names) if make or names else None
     info.extra = Extra(make=conversion, **extra)
     return info
 
 
 def _converted(make: Make | None, names: str, value: Any) -> Any:
-    """Return what a command gets of what was typed. Refuses a value that is not a known name."""
-    if names:
-        possible = _names(names)
-        if isinstance(value, list):
-            value = [require_known(name, possible) for name in value]
-        else:
-            value = require_known(value, possible)
+    """Convert a typed value. Refuses a value that is not one of the known ``names``."""
+    if names and isinstance(value, list):
+        value = [require_known(name, _names(names)) for name in value]
+    elif names:
+        value = require_known(value, _names(names))
     if make is None:
         return value
     convert = _imported(make) if isinstance(make, str) else make
@@ -98,13 +95,12 @@ def _converted(make: Make | None, names: str, value: Any) -> Any:
 
 
 def _imported(place: str) -> Any:
-    """Import "module:NAME"."""
     module, _, name = place.partition(":")
     return getattr(import_module(module), name)
 
 
 def _names(place: str) -> list[str]:
-    """Return the names of an iterable, or those that a function returns, at "module:NAME"."""
+    """Return the names at "module:NAME", where an iterable or a function that returns one is."""
     names = _imported(place)
     return [str(name) for name in (names() if callable(names) else names)]
 
@@ -112,17 +108,17 @@ def _names(place: str) -> list[str]:
 def require_known(
     written: str, names: Collection[str], noun: str = "", option: str | None = None
 ) -> str:
-    """Return the known name that was written, in capitals or not. Refuses an unknown name.
+    """Return the name of ``names`` that was written, ignoring case. Refuses an unknown name.
 
-    ``noun`` says what is named, ``option`` where it was typed.
+    The message calls the name a ``noun``, typed at ``option``.
     """
     from calib.base.toml import did_you_mean
 
-    matches = [name for name in names if name.lower() == written.lower()]
     if written in names:
         return written
-    if matches:
-        return matches[0]
+    for name in names:
+        if name.lower() == written.lower():
+            return name
     advice = did_you_mean(written, names)
     if not advice and len(names) <= _MAX_LISTED:
         advice = f"known: {', '.join(names)}"
@@ -131,7 +127,7 @@ def require_known(
 
 
 def from_settings(key: str) -> Any:
-    """Return the value of a setting, None for none. The file is read once in a run."""
+    """Return the value of a setting, None if it is not set. The file is read once in a run."""
     run = this_run()
     if run.project is None:
         from calib.base.settings_file import find_project
@@ -154,7 +150,7 @@ def read_vehicle(path: Path | None) -> "Vehicle":
 
 
 def in_si(unit: str, written: str) -> float:
-    """Convert a quantity that was typed with its unit to the SI ``unit``."""
+    """Convert a quantity such as "60 bar" to the SI ``unit``."""
     from calib.base.errors import InputError
     from calib.base.toml import quantity
 
@@ -163,14 +159,14 @@ def in_si(unit: str, written: str) -> float:
 
 
 def words(written: str) -> str:
-    """Return a text. Refuses an empty one."""
+    """Return the text that was written. Refuses an empty text."""
     if not written.strip():
         raise usage_error("is empty")
     return written
 
 
 def _version(table: str) -> str:
-    """Return the name of a version, ``name@version``. Refuses a name without version."""
+    """Return ``name@version`` as written. Refuses a name without a version."""
     if "@" not in table:
         raise usage_error(f"{table!r} names no version; expected {table}@N, with its number")
     return table

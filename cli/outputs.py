@@ -1,8 +1,8 @@
-"""Files and folders that the commands write: one rule for all, checked before the work.
+"""Check and write the files and folders of the commands, all by the same rules.
 
-A folder is made if it does not exist; files of the same names in it are replaced. A single file is
-replaced if it is empty or this program wrote it, else only with --force. No output replaces an
-input.
+A folder is made if it does not exist, and files of the same names in it are replaced. A single file
+is replaced if it is empty or if this program wrote it, any other file only with --force. No output
+replaces an input. The commands check this before they begin to work.
 """
 
 import errno
@@ -17,17 +17,16 @@ from cli.console import say, this_run, usage_error
 
 OUT = "--out"
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
-"""Errors of the disk, not of the command line: full, quota, file too large, input or output."""
+"""Errors of the disk: it is full, over its quota, the file is too large, or the device fails."""
 PAGES = (".html", ".htm")
-"""Endings of a page."""
 EITHER = "either"
-"""Kind of an output that is a file or a folder, by other options."""
+"""Kind of an output that is a file or a folder; another option says which."""
 
 
 def check_file(out: Path, kind: str = "", option: str = OUT) -> None:
     """Refuse a place that cannot be written, an input, and a file that this program did not write.
 
-    ``kind`` says which endings are possible, "" any. ``option`` is where ``out`` was typed.
+    ``kind`` says which endings are possible, "" allows any. ``out`` was typed at ``option``.
     """
     from calib.logs.write import WRITERS
     from calib.show.sheet import ENDINGS
@@ -43,18 +42,18 @@ def check_file(out: Path, kind: str = "", option: str = OUT) -> None:
         raise usage_error(f"{out} must end in {', '.join(endings)}", option)
     if out.is_dir() and kind != EITHER:
         raise usage_error(f"cannot write {out}: it is a folder; expected a file", option)
-    _refuse_parent(out, option)
-    _refuse_inputs([out], option)
-    ours = _ours(out, kind)
-    if ours is not None:
-        refuse_foreign(out, ours, option)
+    _refuse_place(out, [out], option)
+    is_ours = _test_of_ours(out, kind)
+    if is_ours is not None:
+        refuse_foreign(out, is_ours, option)
 
 
-def _ours(out: Path, kind: str = "") -> Callable[[bytes], bool] | None:
-    """Return the test for bytes that this program wrote; None where there is no such test."""
+def _test_of_ours(out: Path, kind: str = "") -> Callable[[bytes], bool] | None:
+    """Return the test whether bytes were written by this program, None if there is no such test."""
     from calib.show.html import is_page
     from calib.show.sheet import ENDINGS, is_picture
 
+    # the name of a true value is in each simulated log
     by_kind = {"simulation": lambda data: b"true_" in data, "map": _is_sealed}
     by_ending = dict.fromkeys(PAGES, is_page) | dict.fromkeys(ENDINGS, is_picture)
     return by_ending.get(out.suffix.lower()) or by_kind.get(kind)
@@ -87,21 +86,20 @@ def check_folder(out: Path | None, names: Iterable[str]) -> None:
     names = list(names)
     if out.exists() and not out.is_dir():
         raise usage_error(f"{out} is a file; expected a folder", OUT)
-    _refuse_parent(out, OUT)
-    _refuse_inputs([out / name for name in names], OUT)
+    _refuse_place(out, [out / name for name in names], OUT)
     try:
         refuse_obstacles(out, names)
     except OSError as error:
         raise usage_error(f"{error.filename or out} {_unwritable(error)}", OUT) from error
 
 
-def refuse_foreign(out: Path, ours: Callable[[bytes], bool], option: str = OUT) -> None:
-    """Refuse to replace a file unless it is empty, ``ours`` by its bytes, or --force is typed."""
+def refuse_foreign(out: Path, is_ours: Callable[[bytes], bool], option: str = OUT) -> None:
+    """Refuse to replace a file, unless it is empty, ``is_ours`` of its bytes, or with --force."""
     from calib.base.bounded import LOG, read_bounded
 
     try:
         data = read_bounded(out, LOG)
-        may_replace = not data or ours(data)
+        may_replace = not data or is_ours(data)
     except OSError as error:
         may_replace = isinstance(error, FileNotFoundError)
     if not (may_replace or this_run().force):
@@ -110,10 +108,10 @@ def refuse_foreign(out: Path, ours: Callable[[bytes], bool], option: str = OUT) 
 
 
 def write_file(out: Path, content: bytes, option: str = OUT, kind: str = "") -> None:
-    """Write a file whole. Where `_ours` has no test, only a file of equal bytes is replaced."""
+    """Write a file. Where `_test_of_ours` has no test, only a file of equal bytes is replaced."""
     from calib.base.write import write_whole
 
-    if _ours(out, kind) is None:
+    if _test_of_ours(out, kind) is None:
         refuse_foreign(out, lambda data: data == content, option)
     with writing(out, option):
         write_whole(out, content)
@@ -133,7 +131,7 @@ def write_page(out: Path, result: object, option: str = OUT) -> None:
 
 
 def write_folder(out: Path, contents: Iterable[tuple[str, bytes]], last: str) -> None:
-    """Write files, name and bytes, into a folder: all or none, the file ``last`` at the end."""
+    """Write all files, each a name and its bytes, or none; the file ``last`` is moved last."""
     from calib.base.write import publish, work_folder, write_whole
 
     with writing(out), work_folder(out) as work:
@@ -144,7 +142,7 @@ def write_folder(out: Path, contents: Iterable[tuple[str, bytes]], last: str) ->
 
 
 def stems_of(logs: Iterable[Path], option: str) -> list[str]:
-    """Return the names of logs without their endings. Refuses two of the same name."""
+    """Return the names of logs without their endings. Refuses two logs of the same name."""
     from calib.logs.formats import stem_of
 
     stems = [stem_of(path) for path in logs]
@@ -156,10 +154,9 @@ def stems_of(logs: Iterable[Path], option: str) -> list[str]:
 
 @contextmanager
 def writing(out: Path | None, option: str = OUT) -> Iterator[None]:
-    """Make the folder that ``out`` is in, and turn an OSError into an error that names ``out``.
+    """Make the folder that ``out`` is in, and remove it if it is empty at the end.
 
-    An empty folder that was made here is removed at the end. The error is one of the command line,
-    or AnswerError for a full disk.
+    An OSError within the context becomes an AnswerError for a full disk, else a usage error.
     """
     folders: list[Path] = []
     try:
@@ -179,17 +176,14 @@ def writing(out: Path | None, option: str = OUT) -> Iterator[None]:
                 folder.rmdir()
 
 
-def _refuse_parent(out: Path, option: str) -> None:
-    """Refuse a place below a file, or below a folder that cannot be written."""
+def _refuse_place(out: Path, files: Iterable[Path], option: str) -> None:
+    """Refuse ``out`` below a file or a read-only folder, and ``files`` that replace an input."""
     folder = next(path for path in out.absolute().parents if path.exists())
     if not folder.is_dir():
         raise usage_error(f"cannot write {out}: {folder} is a file, not a folder", option)
     if not os.access(folder, os.W_OK):
         raise usage_error(f"cannot write {out}: no permission to write in {folder}", option)
-
-
-def _refuse_inputs(outputs: Iterable[Path], option: str) -> None:
-    written = {os.path.realpath(path) for path in outputs}
+    written = {os.path.realpath(path) for path in files}
     for path in chain.from_iterable(this_run().inputs.values()):
         if os.path.realpath(path) in written:
             raise usage_error(f"would replace {path}, which is read", option)

@@ -19,7 +19,7 @@ Quantities = dict[str, float]
 def _quantities(units: dict[str, str], written: str | None) -> Quantities:
     """Return the quantities of a list such as "front 2 %, rear 4 %".
 
-    ``units``: SI unit of each known name. A half width ("1") of 100 % or more lacks its "%".
+    ``units`` has the SI unit of each known name. A plain number of 1 or more lacks its "%".
     """
     values: Quantities = {}
     for part in written.split(",") if written else ():
@@ -40,12 +40,11 @@ _TRACK = partial(_quantities, {"length": "m", "speed": "m/s"})
 
 
 def _text(text: str, make: Callable[..., object], *, always: bool = True) -> Any:
-    """Declare an option that is typed as text."""
     return option(text, "TEXT", typed=str | None, make=make, always=always)
 
 
 def _sensors(written: str | None) -> frozenset[str]:
-    """Return the optional channels that are logged, from their names with commas."""
+    """Return the optional channels that are logged, from a list such as "v,p_fl"."""
     from calib.base.names import WHEEL_PRESSURES
 
     sensors = ("v", *WHEEL_PRESSURES)

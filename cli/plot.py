@@ -71,7 +71,7 @@ def plot(
 def _read(
     sources: list[str], store: options.Tables, channel_map: options.Map
 ) -> "tuple[Stored | None, list[Log], list[StoredResult]]":
-    """Read the table, the logs and the results. What is neither log nor result names a table."""
+    """Read the table, the logs and the results; any other source is the name of a table."""
     from calib.logs.formats import ending_of
     from calib.logs.read import FORMATS, REQUIRED
     from calib.show.result import is_result, read_result
@@ -100,16 +100,18 @@ def _draw(drawn: "list[Sheet]", out: Path | None, figure: str | None) -> list[Pa
     from calib.base.plain import counted
     from calib.show.sheet import save
 
-    is_book = out is not None and out.suffix.lower() == ".pdf"
+    is_pdf = out is not None and out.suffix.lower() == ".pdf"
     files: dict[Path, list[Figure]] = {}
     for sheet in drawn:
-        place = Path(f"{sheet.name}-{figure}.png" if figure else f"{sheet.name}.png")
-        if out is not None:
-            several = f"-{sheet.name}" if len(drawn) > 1 and not is_book else ""
-            place = out.with_name(f"{out.stem}{several}{out.suffix}")
-        while place in files and not is_book:  # logs from several directories have one name
-            place = place.with_name(f"{place.stem}-2{place.suffix}")
-        files.setdefault(place, []).append(sheet.figure(figure) if figure else sheet.overview())
+        if out is None:
+            file = Path(f"{sheet.name}-{figure}.png" if figure else f"{sheet.name}.png")
+        elif len(drawn) == 1 or is_pdf:
+            file = out
+        else:
+            file = out.with_name(f"{out.stem}-{sheet.name}{out.suffix}")
+        while file in files and not is_pdf:  # logs of two folders may have the same name
+            file = file.with_name(f"{file.stem}-2{file.suffix}")
+        files.setdefault(file, []).append(sheet.figure(figure) if figure else sheet.overview())
     with writing(out), progress(f"drawing {counted(len(drawn), 'page')}", len(drawn)) as step:
         save(files, step)
     return list(files)

@@ -29,16 +29,15 @@ def effects(
     """
     from calib.show.vehicle import card, cards
 
-    catalogue = {**_catalogue(), **{of_user.name: of_user.effect for of_user in effect}}
+    catalogue = _catalogue() | {added.name: added.effect for added in effect}
     if name is None:
-        all_cards = [effect.card for effect in catalogue.values()]
+        all_cards = [known.card for known in catalogue.values()]
         return Answer({"effects": all_cards}, cards(all_cards))
     chosen = catalogue[require_known(name, catalogue, "effect ", "NAME")].card
     return Answer({"effects": [chosen]}, card(chosen))
 
 
 def _catalogue() -> "dict[str, Effect]":
-    """Return the effects that the program knows, by name."""
     from calib.car.effects.catalogue import CATALOGUE
 
     return dict(CATALOGUE)
@@ -96,7 +95,6 @@ def settings() -> Answer:
 
 
 def _written(value: object) -> str:
-    """Return a value as people write it."""
     if isinstance(value, list):
         return ", ".join(value) or "none"
     if value is None or isinstance(value, bool):
@@ -105,7 +103,6 @@ def _written(value: object) -> str:
 
 
 def _topics() -> list[str]:
-    """Return the names of the pages and the codes."""
     from calib.help.explain import codes
     from calib.help.page import contents
 
@@ -134,7 +131,8 @@ def manual(
         say("brake-cal manual PAGE shows one; brake-cal manual CODE explains a warning")
         facts = Facts(tables=[Table(("page", "what it is about"), rows)])
         return Answer({"pages": list(pages.values())}, facts)
-    if page := pages.get(topic):
+    if topic in pages:
+        page = pages[topic]
         return Answer({"page": page, "text": page.text}, PageText(page.text.rstrip("\n")))
     facts = explained(topic)
     return Answer({"code": topic, "text": [": ".join(row) for row in facts.rows]}, facts)

@@ -57,7 +57,7 @@ def sign(
 
 
 def _new_pair(table: str | None, secret: Path, public: Path, no_password: bool) -> Answer:
-    """Make a pair of keys, whose files are ``secret`` and ``public``."""
+    """Make a pair of keys with the files ``secret`` and ``public``."""
     from calib.store.minisign import generate
 
     if table is not None:
@@ -68,14 +68,11 @@ def _new_pair(table: str | None, secret: Path, public: Path, no_password: bool) 
         if password != _typed("The same once more: "):
             raise usage_error("the two passwords differ; no key was made")
     pair = generate(secret, public, password)
-    key = {"key_id": pair.key_id, "public_key": pair.text}
+    document = {"key_id": pair.key_id, "public_key": pair.text, "secret": secret}
+    document |= {"public": public, "password": bool(password)}
     protection = "protected by the password" if password else "without a password"
-    return Answer(
-        {**key, "secret": secret, "public": public, "password": bool(password)},
-        f"key {pair.key_id}\n"
-        f"secret key in {secret}, {protection}: who has it can sign in your name\n"
-        f"public key in {public}: {pair.text}",
-    )
+    text = f"key {pair.key_id}\nsecret key in {secret}, {protection}: who has it can sign as you\n"
+    return Answer(document, f"{text}public key in {public}: {pair.text}")
 
 
 def _typed(prompt: str) -> str:
@@ -95,7 +92,7 @@ class Signed:
 
     @property
     def public(self) -> "PublicKey | None":
-        """The key that must have signed; None where no signature is required."""
+        """The key that must have signed the table, None if no signature is required."""
         from calib.store.minisign import read_public_key
 
         if self.key and not self.require_signed:
@@ -106,9 +103,9 @@ class Signed:
         return read_public_key(self.key) if self.key else None
 
     def check(self, table: str, stored: "Stored") -> None:
-        """Raise SignatureRefused unless a signature of the key holds, if one is required.
+        """Raise SignatureRefused for a version without the required signature.
 
-        ``table`` is what was typed: a bare name means the newest version that may be used.
+        If ``table``, as typed, is a bare name, ``stored`` is the newest version that may be used.
         """
         from calib.store.signature import require_signed
 

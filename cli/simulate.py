@@ -19,7 +19,7 @@ SPEED, RATE = 120 / 3.6, 200.0
 
 
 def _quantity(si: str, text: str) -> Any:
-    """Declare an option for a quantity, which becomes a number in the unit ``si``."""
+    """Declare an option for a quantity with its unit, which is converted to the unit ``si``."""
     return option(text, typed=str | None, make=partial(in_si, si))
 
 

@@ -122,7 +122,7 @@ def station(
 
 
 def _limits_file() -> str:
-    """Return name and digest of the file of limits; "" if none was typed."""
+    """Return name and digest of the file of limits; "" without such a file."""
     from calib.base.digest import file_digest
 
     file = this_run().file("limits")
@@ -131,16 +131,15 @@ def _limits_file() -> str:
 
 @contextmanager
 def _refusals_written(out: Path, identity: dict[str, str], logs: list[Path]) -> Iterator[None]:
-    """Write into ``out`` why a car could not be judged: a bad input, or a fault of the program."""
+    """Write into ``out`` the error for which a car cannot be judged, and raise it again."""
     from calib.base.errors import InputError, program_failure
     from calib.line.station.files import REFUSED, write_refusal
 
     try:
         yield
     except Exception as error:
-        # errors with an exit code are typing mistakes and exits of typer, not faults of the program
-        is_refusal = isinstance(error, InputError) or not hasattr(error, "exit_code")
-        if this_run().interrupted or not is_refusal:
+        is_fault_of_program = not hasattr(error, "exit_code")  # usage errors and exits have one
+        if this_run().interrupted or not (isinstance(error, InputError) or is_fault_of_program):
             raise
         refusal = error if isinstance(error, InputError) else program_failure(error)
         with writing(out):

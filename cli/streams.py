@@ -1,7 +1,7 @@
-"""Streams whose failure nobody swallows: a full disk or a closed pipe must not lose output.
+"""Make a run fail if stdout or stderr cannot be written: on a full disk, or into a closed pipe.
 
-rich, typer and the interpreter each treat an OSError in their own way. So stdout and stderr raise
-`NotWritten`, which none of them knows, and `delivered` turns it into an exit code.
+rich, typer and the interpreter hide some errors of type OSError. They do not know `NotWritten`. So
+stdout and stderr raise `NotWritten` instead, and `delivered` turns that error into an exit code.
 """
 
 import errno
@@ -18,7 +18,7 @@ OUT, ERR = 1, 2
 
 
 class NotWritten(Exception):
-    """A stream cannot be written; the cause is the OSError."""
+    """A stream cannot be written. The cause of this error is the OSError."""
 
 
 class _Descriptor(io.FileIO):
@@ -44,9 +44,9 @@ def delivered(work: Callable[[], int]) -> int:
 
 
 def _undelivered(failure: NotWritten) -> int:
-    """Return 0 if the reader has gone, as `head` does; else print an error, and return its code."""
+    """Return 0 if the reader of a pipe has ended, as `head` does, else the code of an error."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, OUT)  # what the interpreter flushes at its exit is discarded
+    os.dup2(nowhere, OUT)  # discards what the interpreter flushes at its exit
     cause = failure.__cause__
     is_closed_on_windows = sys.platform == "win32" and getattr(cause, "errno", 0) == errno.EINVAL
     if is_closed_on_windows or isinstance(cause, BrokenPipeError):
@@ -61,12 +61,11 @@ def _undelivered(failure: NotWritten) -> int:
 
 
 def _guarded(stream: Any, number: int) -> Any:
-    """Return ``stream`` on a `_Descriptor`, if it is that of the shell, else as it is.
+    """Return a stream that raises `NotWritten`, in place of ``stream`` of descriptor ``number``.
 
-    ``number`` is its file descriptor. The shell may have closed the stream: then writing to stdout
-    fails, and what is written to stderr is discarded.
+    A stream that a test or a notebook has replaced is returned as it is.
     """
-    if stream is None:
+    if stream is None:  # the shell has closed it: stdout then fails, and stderr is discarded
         nowhere = os.open(os.devnull, os.O_RDONLY if number == OUT else os.O_WRONLY)
         return io.TextIOWrapper(io.BufferedWriter(_Descriptor(nowhere, "w")), write_through=True)
     binary = getattr(stream, "buffer", None)

@@ -49,17 +49,17 @@ def log(
     """Print what happened to a table: when, by whom and why."""
     from calib.show.store import history
 
-    name, separator, version = table.partition("@")
     snapshot = store.snapshot()
     journal = snapshot.journal
-    versions = [str(number) for number in journal.versions(snapshot.require_table(name))]
-    if separator and version not in versions:
-        flaw = f"no version {version!r} of {name!r}; expected one of {', '.join(versions)}"
-        raise usage_error(flaw, "TABLE")
-    entries_of_table = [entry for entry in journal.entries if entry.table == name]
-    entries = [entry.document for entry in entries_of_table if version in ("", str(entry.version))]
-    document = {"store": store.folder, "head": journal.head, "entries": entries}
-    return Answer(document, history(entries))
+    if "@" in table:
+        name, version = snapshot.numbered(table)
+        entries = journal.versions(name).get(version, [])
+    else:
+        name = snapshot.require_table(table)
+        entries = [entry for entry in journal.entries if entry.table == name]
+    events = [entry.document for entry in entries]
+    document = {"store": store.folder, "head": journal.head, "entries": events}
+    return Answer(document, history(events))
 
 
 @command("brake-cal tables diff sedan-2up@1 sedan-2up")
@@ -100,15 +100,16 @@ def verify(
     from calib.store.minisign import read_public_key
     from calib.store.signature import verify_signed
 
+    keys = ["id", "sound", "violations"]
     if key:
         verdicts, note = verify_signed(store, read_public_key(key), name)
+        keys.append("signed")
+        if note:
+            say(note)
     else:
-        verdicts, note = store.verify(name), ""
-    keys = ("id", "sound", "violations", *(["signed"] if key else []))
-    rows = [{k: getattr(verdict, k) for k in keys} for verdict in verdicts]
+        verdicts = store.verify(name)
+    rows = [{name: getattr(verdict, name) for name in keys} for verdict in verdicts]
     is_sound = all(verdict.sound for verdict in verdicts)
-    if note:
-        say(note)
     document = {"store": store.folder, "sound": is_sound, "versions": rows}
     document["unfinished"] = unplaced(store.folder)
     result = verified(verdicts, bool(key)) if rows else f"{store.folder} holds no table"
@@ -167,29 +168,28 @@ def withdraw(table: options.Version, *, decision: _Decision) -> Answer:
     return _judged(table, "withdrawn", decision, None)
 
 
-def _judged(table: str, word: str, decision: _Decision, evidence: Path | None) -> Answer:
-    """Set the state of a version to ``word``."""
+def _judged(table: str, state: str, decision: _Decision, evidence: Path | None) -> Answer:
     from calib.base.errors import StoreError
     from calib.store.evidence import CONSISTENT, read_evidence
     from calib.store.state import StateDecision
 
     stored = decision.store.load(table)
     proof, verdict = read_evidence(evidence, stored) if evidence else (None, "")
-    if word == "released" and verdict == "failed":
+    if state == "released" and verdict == "failed":
         flaw = f"{evidence} says that {table} failed, which releases nothing"
         raise usage_error(flaw, "--evidence")
     unknown_to_ecu = stored.table.not_sensed.get("wheel_pressures")
-    if word == "released" and unknown_to_ecu:
+    if state == "released" and unknown_to_ecu:
         flaw = f"is for no ECU: it would have to know {unknown_to_ecu}"
         do = "declare rear_proportioning in the vehicle file, or fit the ramp without them"
         raise StoreError(flaw, where=table, expected="a table of pressures that an ECU has", do=do)
-    proofs, old = (proof,) if proof else (), stored.state
-    state = StateDecision(word, decision.reason, verdict, proofs, decision.by or "")
-    after = decision.store.judge(table, state)
-    document = {"table": after.id, "digest": after.digest, "before": old.word}
-    document |= {"state": after.state.word, "why": after.state.description}
-    change = "nothing to change" if old == after.state else f"it was {old.word}"
-    text = f"{after.id} is {after.state.description}; {change}"
+    proofs = (proof,) if proof else ()
+    judgement = StateDecision(state, decision.reason, verdict, proofs, decision.by or "")
+    old, new = stored.state, decision.store.judge(table, judgement).state
+    document = {"table": stored.id, "digest": stored.digest, "before": old.word}
+    document |= {"state": new.word, "why": new.description}
+    change = "nothing to change" if old == new else f"it was {old.word}"
+    text = f"{stored.id} is {new.description}; {change}"
     if verdict in (CONSISTENT, "warning"):
         text = f"{text}; the evidence: {verdict}"
     return Answer(document, text)

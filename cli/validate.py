@@ -7,7 +7,6 @@ from cli import options
 from cli.command import FAILED, Answer, command
 from cli.console import at_option, progress, say, this_run
 from cli.exchange import Shape
-from cli.fit import files_of
 from cli.logs import read
 from cli.options import argument, option
 from cli.outputs import check_folder, stems_of, writing
@@ -94,7 +93,7 @@ def validate(
             for path in write_results(results, summary, out):
                 say(f"wrote {path}")
     exit_code = 0 if all(result.passed for result in results) else FAILED
-    files = files_of("vehicle", "model", "limits")
+    files = this_run().files("vehicle", "model", "limits")
     return Answer(summary, Validated(stored, results, precision, files), exit_code, out)
 
 

@@ -38,7 +38,7 @@ def check(files: list[Path] = argument("Vehicle files to check.", "FILE...")) ->
     from calib.car.plausible import vehicle_warnings
     from calib.car.vehicle_file import read_vehicle
 
-    judged, unreadable, lines, code = [], [], [], 0
+    judged, unreadable, lines = [], [], []
     for path in files:
         try:
             car = read_vehicle(path)
@@ -48,12 +48,12 @@ def check(files: list[Path] = argument("Vehicle files to check.", "FILE...")) ->
             continue
         warnings, verdict = vehicle_warnings(car), "plausible"
         print_warnings(warnings)
-        details = {"plausible": not warnings, "warnings": [to_dict(x) for x in warnings]}
-        judged.append({"source": path, "vehicle": car.name, **details})
         if warnings:
-            code = FAILED
             verdict = f"not plausible: {counted(len(warnings), 'figure')} outside the usual range"
+        details = {"plausible": not warnings, "warnings": list(map(to_dict, warnings))}
+        judged.append({"source": path, "vehicle": car.name, **details})
         lines.append(f"{path}: {car.name}: {verdict}")
+    code = 0 if all(entry["plausible"] for entry in judged) else FAILED
     document = {"vehicles": judged, "unreadable": unreadable}
     return Answer(document, "\n".join(lines), UNREADABLE if unreadable else code)
 

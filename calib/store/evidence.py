@@ -10,18 +10,14 @@ from calib.store.state import Evidence
 from calib.store.version import Stored
 
 CONSISTENT = "consistent, not proved"
-"""Verdict of a validation that passed, but could have missed errors of the table.
-
-Its logs have neither true torques nor the speed v.
-"""
+"""Verdict of a validation that passed on logs without true torques and without the speed v."""
 
 
 def read_evidence(path: Path, stored: Stored) -> tuple[Evidence, str]:
     """Return the evidence, and its verdict: "passed", "warning", "failed" or `CONSISTENT`.
 
     Raises ExchangeError for a file that is neither a `summary.json` of `validate --out` nor a
-    `station.json`, for evidence on another version than ``stored``, and for a summary without a
-    hold-out. (A station always has hold-outs.)
+    `station.json`, for another version than ``stored``, and for a summary without a hold-out.
     """
     data = bytes_of(path, VALIDATION, ExchangeError, "a summary.json or a station.json")
     verdict = _station_verdict(data, path, stored)

@@ -71,7 +71,7 @@ class _MeanFigure:
 
 
 def mean_figures(table: Table) -> tuple[_MeanFigure, ...]:
-    """Return the largest D, pad level, pad ratio and slip stiffness of a mean table, else nothing.
+    """Return the largest D, pad level, pad ratio and slip stiffness of a mean table, else ().
 
     Pad level and pad ratio are relative to the vehicle file.
     """
@@ -145,22 +145,17 @@ def row_of(entry: StoreEntry) -> ListedVersion:
     row |= {"serial": "", "vin": "", "logs": ()}
     row |= {"pads": None, "decelerations": None, "usable": None, "band_width": None}
     row |= {"verdict": state.verdict, "warnings": 0, "key": None, "flaw": "".join(entry.violations)}
-    if stored is None:
-        return row
-    table, pads = stored.table, stored.table.calibration
-    identity = table.provenance.identity
-    return row | {
-        "digest": stored.digest,
-        "serial": identity.get("serial", ""),
-        "vin": identity.get("vin", ""),
-        "logs": tuple(log.name for log in table.provenance.logs),
-        "pads": (pads.pad_friction_f.value, pads.pad_friction_r.value),
-        "decelerations": table.paper.decelerations,
-        "usable": table.paper.usable,
-        "band_width": table.difference.band_width,
-        "warnings": len(table.warnings),
-        "key": signer(stored),
-    }
+    if stored is not None:
+        table, pads = stored.table, stored.table.calibration
+        identity = table.provenance.identity
+        row["digest"], row["key"] = stored.digest, signer(stored)
+        row["serial"], row["vin"] = identity.get("serial", ""), identity.get("vin", "")
+        row["logs"] = tuple(log.name for log in table.provenance.logs)
+        row["pads"] = (pads.pad_friction_f.value, pads.pad_friction_r.value)
+        row["decelerations"], row["usable"] = table.paper.decelerations, table.paper.usable
+        row["band_width"] = table.difference.band_width
+        row["warnings"] = len(table.warnings)
+    return row
 
 
 def chosen(rows: Iterable[ListedVersion], **equal: str | None) -> list[ListedVersion]:

@@ -44,18 +44,15 @@ def versions_in(home: Path) -> list[int]:
 
 def names_in(folder: Path) -> list[str]:
     """Return the names of the tables whose versions are in the store ``folder``, in order."""
-    if not folder.is_dir():
-        return []
-    homes = (p for p in folder.iterdir() if names_a_table(p.name) and p.is_dir())
-    return sorted(p.name for p in homes if versions_in(p))
+    paths = folder.iterdir() if folder.is_dir() else ()
+    return sorted(p.name for p in paths if names_a_table(p.name) and versions_in(p))
 
 
 def refuse_link(home: Path) -> None:
     """Raise StoreError where ``home`` is a link, which may lead out of the store."""
     if home.is_symlink():
-        flaw = "the folder of a table is a link"
         do = "put the folder in its place, or withdraw its versions"
-        raise StoreError(flaw, where=home, expected="a folder of its own", do=do)
+        raise StoreError("is a link", where=home, expected="the folder of a table", do=do)
 
 
 def unplaced(folder: Path, name: str = "*") -> list[Path]:

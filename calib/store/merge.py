@@ -143,7 +143,7 @@ def _remarks(parents: Sequence[Stored]) -> tuple[str, ...]:
 
 
 def _end(parent: Stored) -> float:
-    """Return eta at the end of the curve D [1]."""
+    """Return the last eta of the curve D [1]."""
     return float(parent.table.difference.eta[-1])
 
 

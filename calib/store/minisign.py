@@ -31,12 +31,10 @@ _SIGNATURE = re.compile(
     rb"trusted comment: ([^\r\n]*)\r?\n[A-Za-z0-9+/]{86}==\r?\n"
 )
 
+# work and memory [bytes] to try one password, those of minisign: seconds and 1 GiB
 _SCRYPT = {"opslimit": 2**25, "memlimit": 2**30}
-"""Work and memory [bytes] to try one password, as minisign has them: seconds and 1 GiB."""
-_MAX_OPSLIMIT = 8 * _SCRYPT["opslimit"]
-"""Largest work of a key that is read: half a minute."""
-_OPSLIMIT = slice(38, 46)
-"""Bytes of the work in a secret key, after three algorithms of 2 bytes and a salt of 32."""
+_MAX_OPSLIMIT = 8 * _SCRYPT["opslimit"]  # of a key that is read: half a minute
+_OPSLIMIT = slice(38, 46)  # bytes in a secret key, after three algorithms of 2 and a salt of 32
 
 
 @dataclass(frozen=True)
@@ -57,14 +55,11 @@ class PublicKey:
 
 
 class SecretKey:
-    """A secret key that is ready to sign. Its repr shows only the key number."""
+    """A secret key that is ready to sign."""
 
     def __init__(self, key: Any) -> None:
         self._key = key
         self.public = PublicKey(key.get_public_key().to_base64().decode())
-
-    def __repr__(self) -> str:
-        return f"SecretKey({self.public.key_id})"
 
     def sign(self, data: bytes, trusted_comment: str) -> bytes:
         """Return the content of a signature file. Raises KeyFileError for a damaged key."""
@@ -146,14 +141,10 @@ def read_signature(path: Path) -> Signature:
 
 
 def verify(public: PublicKey, data: bytes, signature: Signature, where: object) -> None:
-    """Raise SignatureRefused unless ``public`` verifies ``signature`` and its trusted comment.
-
-    ``data`` is what was signed, ``where`` names the signature in the message.
-    """
-    library = _library()
+    """Raise SignatureRefused at ``where`` unless ``public`` has signed ``data``."""
     with _library_errors_as(SignatureRefused, where):
-        parsed = library.Signature.from_bytes(signature.content)
-        library.PublicKey.from_base64(public.text).verify(data, parsed)
+        parsed = _library().Signature.from_bytes(signature.content)
+        _library().PublicKey.from_base64(public.text).verify(data, parsed)
 
 
 def _library() -> Any:

@@ -1,6 +1,6 @@
-"""Schemas of two JSON files: the record of a table, and the summary of a validation.
+"""Schemas of two JSON files, the record of a table and the summary of a validation.
 
-`table_of` turns a record into the table again.
+The end of this file turns a record into a table.
 """
 
 from collections.abc import Sequence
@@ -34,8 +34,6 @@ _VEHICLE = section(
 
 
 class _FiniteNumbers(FileSchema):
-    """A file in which NaN and infinity are errors."""
-
     model_config = ConfigDict(allow_inf_nan=False)
 
 
@@ -54,8 +52,6 @@ Record = section(
 
 
 class _Parent(Section):
-    """A log that a table was made of."""
-
     name: str
     digest: str
     sample_time: float | None = None
@@ -74,8 +70,6 @@ class RecordFile(Section):
 
 
 class _ValidatedLog(Section):
-    """A log that was validated."""
-
     model_config = ConfigDict(extra="ignore")
 
     role: str  # "hold-out" if the fit did not use the log

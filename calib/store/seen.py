@@ -49,11 +49,11 @@ class _SeenJournal(NamedTuple):
 
 @dataclass(frozen=True)
 class SeenJournals:
-    """The journals of the file ``path``."""
+    """The journals of the file ``path``; ``note`` says why the file cannot be used."""
 
     path: Path | None
     journals: tuple[_SeenJournal, ...] = ()
-    note: str = ""  # why the file cannot be used
+    note: str = ""
 
     def check(self, folder: Path, journal: Journal, key: str) -> None:
         """Raise SignatureRefused if a journal seen with the key contradicts this ``journal``."""

@@ -52,7 +52,7 @@ class _Signed:
 def sign(store: Store, reference: str, key: SecretKey) -> _Signed:
     """Sign record and state of ``name@version``, and replace an older signature.
 
-    Raises TableNotFound, DamagedTable, StoreError, and SignatureRefused for an older copy.
+    Raises as `Store.judge`, and SignatureRefused for an older copy of the store.
     """
     public = key.public
     _, seen_journals = _require_newest(store, public)
@@ -74,8 +74,8 @@ def require_signed(stored: Stored, public: PublicKey, newest: bool = False) -> _
     If the version was chosen as the ``newest`` usable one, newer versions that were ever released
     must have a valid signature, too: nobody without the key can reject them to bring back this one.
 
-    Raises SignatureRefused without a signature, for a state that was changed since, and for an
-    older copy of the store; DamagedTable when the version is not the one that was loaded.
+    Raises SignatureRefused for a signature that is missing or not valid, and for an older copy of
+    the store; DamagedTable if the version is another than was loaded.
     """
     snapshot, seen_journals = _require_newest(Store(stored.path.absolute().parent.parent), public)
     reloaded = snapshot.load(stored.name, stored.version)
@@ -95,8 +95,7 @@ def verify_signed(
     """Return the entries of `Store.verify` with signatures, and a note as in `_Signed`.
 
     Every version that was ever released must have a signature by the key ``public``, and every
-    signature by this key must be valid. Raises as `Store.verify`, and SignatureRefused for an older
-    copy.
+    signature by this key must be valid. Raises also SignatureRefused for an older copy.
     """
     snapshot, seen_journals = _require_newest(store, public)
     entries = store.verify(name, lambda entry: _with_signature(snapshot, entry, public))
@@ -195,14 +194,10 @@ def _signed_line(snapshot: Snapshot, signature: Signature, path: Path) -> int:
     for entry in snapshot.journal.entries:
         if entry.hash == head[1]:
             return entry.number
-    raise SignatureRefused(
-        "covers a line that the journal does not contain: the journal was set back, or is that of "
-        "another store",
-        where=path,
-        expected=f"a line with the hash {head[1][:12]}...",
-        do="get the newest copy of the store; if the journal was set back on purpose, delete this "
-        "signature and sign again",
-    )
+    flaw = "covers a line that is not in the journal: it was set back, or is of another store"
+    do = "get the newest copy of the store; if the journal was set back on purpose, delete this "
+    do += "signature and sign again"
+    raise SignatureRefused(flaw, where=path, expected=f"the line {head[1][:12]}...", do=do)
 
 
 def _record_bytes(stored: Stored) -> bytes:
