@@ -8,9 +8,15 @@ from tests.support.tables import made_table
 
 
 @pytest.fixture
-def tables(brake_cal, stored, store):
-    """Run a command of `brake-cal tables` on a store that holds sedan@1."""
+def on_store(brake_cal, store):
+    """Run a command of `brake-cal tables` on the store."""
     return lambda *words: brake_cal("tables", *words, "--store", store)
+
+
+@pytest.fixture
+def tables(on_store, stored):
+    """Run a command of `brake-cal tables` on a store that holds sedan@1."""
+    return on_store
 
 
 @pytest.fixture

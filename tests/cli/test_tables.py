@@ -88,11 +88,11 @@ def summary(tmp_path, store):
 
 
 @pytest.fixture
-def drafts(brake_cal, store):
+def drafts(on_store, store):
     """Run a command of `brake-cal tables` on a store with the drafts sedan@1 and sedan@2."""
     for stiffness in (27.0, 28.0):
         Store(store).save(made_table(stiffness))
-    return lambda *words: brake_cal("tables", *words, "--store", store)
+    return on_store
 
 
 def test_a_release_holds_who_why_and_the_digest_of_the_evidence(drafts, summary, store, tmp_path):
@@ -143,14 +143,14 @@ CARS = ("sedan@1", "sedan@2", "sedan@3")
 
 
 @pytest.fixture
-def line(brake_cal, store):
+def line(on_store, store):
     """Run a command of `brake-cal tables` on a store with sedan@1, @2, @3 of three cars."""
     for number, stiffness in enumerate((26.0, 27.0, 28.0), start=1):
         Store(store).save(car_table(number, stiffness))
-    return lambda *words: brake_cal("tables", *words, "--store", store)
+    return on_store
 
 
-def test_a_mean_has_its_parents_and_every_look_works_with_it(line, store, tmp_path, brake_cal):
+def test_a_mean_has_its_parents_and_every_look_works_with_it(line, tmp_path):
     found = parsed(line("merge", *CARS, "--name", "golden", "--json"))
     assert (found["id"], found["cars"], found["eta"]) == ("golden@1", 3, [1.0, 1.005])
     assert [p["id"] for p in found["parents"]] == list(CARS)

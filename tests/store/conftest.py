@@ -14,12 +14,16 @@ from tests.support.tables import made_table
 
 
 @pytest.fixture
-def three(tmp_path):
+def store(tmp_path):
+    return Store(tmp_path / "tables")
+
+
+@pytest.fixture
+def three(store):
     """A store with three drafts."""
-    made = Store(tmp_path / "tables")
     for stiffness in (27.0, 28.0, 29.0):
-        made.save(made_table(stiffness))
-    return made
+        store.save(made_table(stiffness))
+    return store
 
 
 @pytest.fixture
@@ -50,3 +54,8 @@ def copy(signed_store, tmp_path):
 def runs() -> list[Table]:
     driven = ramp(REAL)
     return [fit(CAR, [noisy(driven, seed)]) for seed in range(8)]
+
+
+def files_under(directory):
+    """The bytes of all files by their paths."""
+    return {p.relative_to(directory): p.read_bytes() for p in directory.rglob("*") if p.is_file()}

@@ -7,7 +7,6 @@ import pytest
 from calib.car.effects.effects import Effects
 from calib.store.figures import effect_figures, usability, verdict
 from calib.store.state import StateDecision
-from calib.store.store import Store
 from tests.support.tables import made_table
 
 
@@ -31,7 +30,7 @@ def test_an_interval_within_the_range_of_the_card_is_that_of_the_sigma():
 
 @pytest.mark.parametrize("word", ["draft", "released", "rejected", "withdrawn"])
 def test_only_a_released_version_is_usable(store, word):
-    stored = Store(store).save(made_table(), StateDecision(word, "made for a test"))
+    stored = store.save(made_table(), StateDecision(word, "made for a test"))
     use = usability(stored)
     assert use.usable == (word == "released")
     # the last row of the made table, at 0.30 g, is extrapolated

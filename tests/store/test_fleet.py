@@ -2,22 +2,14 @@
 
 from dataclasses import replace
 
-import pytest
-
 from calib.store.fleet import released_cars
 from calib.store.merge import merge
-from calib.store.store import Store
 from calib.table.table import LogReference, TableReference
 from tests.support.cars_of_a_line import car_table
 from tests.support.signing import RELEASE
 from tests.support.tables import VEHICLE
 
 NEW = replace(VEHICLE, name="new", mass_tolerance=0.005)
-
-
-@pytest.fixture
-def store(tmp_path):
-    return Store(tmp_path / "tables")
 
 
 def car(number, **more):

@@ -1,7 +1,6 @@
-"""A test for each promise of the page `tables`, here, in `test_signatures` or in `test_seen`."""
+"""What the page `tables` promises of a store; of signatures, see `test_signatures`, `test_seen`."""
 
 import json
-import re
 import shutil
 import subprocess
 import sys
@@ -18,25 +17,15 @@ from calib.exports.export import ENDINGS, export
 from calib.store.state import Evidence, StateDecision
 from calib.store.store import Store
 from calib.table.table import Value
+from tests.store.conftest import files_under
 from tests.support.killed import killed
 from tests.support.tables import made_table
 
-HERE = Path(__file__).parent
-ROOT = HERE.parents[1]
-PAGE = ROOT / "calib" / "manual" / "tables.md"
+ROOT = Path(__file__).parents[2]
 
 RELEASE = StateDecision("released", "four stops agree", by="Ada")
 REJECT = StateDecision("rejected", "front pads wet", by="Ada")
 WITHDRAW = StateDecision("withdrawn", "pads recalled", by="Ada")
-
-
-@pytest.fixture
-def store(tmp_path):
-    return Store(tmp_path / "tables")
-
-
-def files_under(directory):
-    return {p.relative_to(directory): p.read_bytes() for p in directory.rglob("*") if p.is_file()}
 
 
 def lines_of(store):
@@ -45,16 +34,6 @@ def lines_of(store):
 
 def rewrite(store, lines):
     (store.folder / "journal.jsonl").write_bytes(b"".join(lines))
-
-
-def test_every_promise_has_its_test():
-    part = PAGE.read_text().partition("## What the store promises")[2]
-    promises = re.findall(r"^\* \*\*(.*?)\.\*\*", part, flags=re.MULTILINE)
-    assert len(promises) > 10
-    names = {"test_" + re.sub(r"\W+", "_", promise.lower()).strip("_") for promise in promises}
-    texts = [(HERE / f"test_{file}.py").read_text() for file in ("promises", "signatures", "seen")]
-    tests = re.findall(r"^def (test_\w+)", "".join(texts), flags=re.MULTILINE)
-    assert names <= set(tests)
 
 
 def test_a_version_never_changes(three):

@@ -1,4 +1,4 @@
-"""A test for each promise of a signature on the page `tables`, of the same name."""
+"""What the page `tables` promises of signatures."""
 
 import shutil
 import subprocess

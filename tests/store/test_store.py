@@ -12,23 +12,15 @@ from calib.base.errors import ExchangeError, StoreError, TableNotFound
 from calib.store.evidence import read_evidence
 from calib.store.state import StateDecision
 from calib.store.store import Store
+from tests.store.conftest import files_under
 from tests.support.tables import made_table
 
 RELEASE = StateDecision("released", "good", "passed", by="Ada")
 
 
 @pytest.fixture
-def store(tmp_path):
-    return Store(tmp_path / "tables")
-
-
-@pytest.fixture
 def stored(store):
     return store.save(made_table())
-
-
-def files_under(directory):
-    return {p.relative_to(directory): p.read_bytes() for p in directory.rglob("*") if p.is_file()}
 
 
 # Saving

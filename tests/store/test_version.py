@@ -7,13 +7,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from calib.base.errors import DamagedTable
-from calib.store.store import Store
 from tests.support.tables import made_table
-
-
-@pytest.fixture
-def store(tmp_path):
-    return Store(tmp_path / "tables")
 
 
 @pytest.fixture
