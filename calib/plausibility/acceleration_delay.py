@@ -2,13 +2,13 @@ r"""Delay of the accelerometer against a speed: v where it is logged, else the r
 
     u(t) = v_0 - e t - (1 + c) I(t + tau) + errors       I = g int z dt, with z as read
 
-    I   _____            a_x is late by tau: I bends later than u at the bite. An offset e and a
-        ----\___         scale c bend nothing there, so that tau can be told from both.
+    u   -----\               a_x is late by tau: at the bite, I bends later than u. An offset e and
+    I   -------\             a scale c bend nothing there, so tau can be separated from them.
 
 The rims are slower than the car by their slip, whose coefficients have the prior of any tyre. The
 errors are white noise of u, the random walk that the noise of z makes in I, and the slope of the
-road, which is even or changes. One braking is compared, with the rolling before it. A delay longer
-than `_LONGEST` is not seen. Without v a motor that follows no pedal looks like a delay.
+road, which is even or changes. The first braking is compared, with the rolling before it. A delay
+longer than `_LONGEST` is not seen. Without v a motor that follows no pedal looks like a delay.
 """
 
 from typing import NamedTuple
@@ -34,8 +34,8 @@ _START, _SLOPE, _SCALE, _RADIUS = 100.0, 0.5, 0.02, 0.01
 _COLOUR = 2.0  # noise of z over a second over its white part [1]: logs have 1.5 to 4, by the road
 _FINEST = 1e-3  # least noise of u, and of z times a step [m/s]
 _FORM = 0.045
-"""Sigma that a lag of the brakes, forms of tyres and the pitch of a body add without v [s]: a lag
-of 0.15 s makes 0.12; of 234 sound logs of seven plants none is then 3 sigma off."""
+"""Sigma that a lag of the brakes, forms of tyres and the pitch of a body add without v [s]: with
+it, none of 234 sound logs of seven plants is 3 sigma off."""
 
 
 class AccelerationDelay(NamedTuple):
@@ -47,17 +47,17 @@ class AccelerationDelay(NamedTuple):
 
 
 def acceleration_delay(run: Run) -> AccelerationDelay | None:
-    """Delay of a_x in the first braking of a run with a vehicle; None without enough of it."""
+    """Estimate the delay of a_x of a run with a vehicle; None if its first braking is too short."""
     compared, has_v = _compared_blocks(run), run.blocks.v is not None
     size = samples_in(_STEP, run.blocks.length)
     if compared.stop - compared.start < _FEWEST * size:
         return None
     time, speed, z, pressure, *lost = block_mean(_signals(run, compared), size)  # each (n,)
-    columns = [np.ones_like(time), time - time[0], lost[_TRIED.size // 2]]
+    columns = [np.ones_like(time), time - time[0], lost[_TRIED.size // 2]]  # of v_0, e, c: I at 0 s
     sigma = [_START, _SLOPE, _SCALE]
     noise = white_noise(speed, 2), _COLOUR * G * size * run.blocks.length * white_noise(z, 2)
     if not has_v:
-        slips = SLIP[:3]  # of the deceleration, its square and its cube
+        slips = SLIP[:3]  # mean and sigma of the coefficients of z, z^2 and z^3
         smooth_z = pressure * float(z @ pressure) / float(pressure @ pressure)
         columns += [speed, *(speed * smooth_z**power for power in (1, 2, 3))]
         sigma += [_RADIUS, *(spread for _, spread in slips)]
@@ -70,7 +70,7 @@ def acceleration_delay(run: Run) -> AccelerationDelay | None:
 
 
 def _compared_blocks(run: Run) -> slice:
-    """Blocks of the last rolling before the first braking, and of that braking; may be empty."""
+    """Blocks of the rolling before the first braking, and of that braking; may be empty."""
     b = run.blocks
     rolled = np.flatnonzero(b.lead_in)
     if not rolled.size or rolled[-1] + 1 == b.end.size:
@@ -97,9 +97,10 @@ def _signals(run: Run, compared: slice) -> Array:
 def _posterior(
     time: Array, regained: Array, columns: Array, sigma: Array, noise: tuple[float, float]
 ) -> tuple[float, float]:
-    """Mean and sigma of tau [s] from u + I by delay, ``regained`` [m/s] (m, n).
+    """Mean and sigma of tau [s] from ``regained`` [m/s] (m, n), which is u + I at each delay.
 
-    Factors of ``columns`` (n, k) have prior ``sigma`` (k,); ``noise`` of u, of a step of I [m/s].
+    The factors of ``columns`` (n, k) have the prior ``sigma`` (k,). ``noise`` is the standard
+    deviation of u, and of I over one step [m/s].
     """
     white, walk = (max(x, _FINEST) ** 2 for x in noise)
     age = time - time[0]
@@ -111,8 +112,8 @@ def _posterior(
     misfit = np.array([np.sum(np.linalg.solve(root, regained.T) ** 2, axis=0) for root in roots])
     log_norm = np.array([[np.log(np.diag(root)).sum()] for root in roots])
     excess = max(float(misfit.min()) / age.size, 1.0)  # variance beyond that of the differences
-    log = -0.5 * misfit / excess - log_norm + np.log(ODDS_ROAD)[:, None]
-    probability = np.exp(log - log.max()).sum(axis=0)
+    log_posterior = -0.5 * misfit / excess - log_norm + np.log(ODDS_ROAD)[:, None]
+    probability = np.exp(log_posterior - log_posterior.max()).sum(axis=0)  # (m,)
     probability /= probability.sum()
     mean = float(probability @ _TRIED)
     return mean, float(np.sqrt(probability @ (_TRIED - mean) ** 2))

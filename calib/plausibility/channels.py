@@ -1,6 +1,6 @@
 """Figures of the channels: missing, stuck, copied, late, or out of the range of a car.
 
-Each function is a figure of `rules.csv` by its name.
+Each public function is the figure of that name in `rules.csv`.
 """
 
 from collections.abc import Iterator
@@ -20,11 +20,11 @@ from calib.run.driving_record import BITE_Z, DrivingRecord
 
 _NEEDED = ("p_mc", "a_x", *WHEEL_SPEEDS)
 _IN_TIME = bounds_of("pressure_late")[1]  # largest delay of a pressure that is in time [s]
-_UNBRAKED, _ROLLED = 0.04, 0.3
-"""Largest deceleration of an unbraked car [g], and the shortest rolling that shows it [s]."""
+_UNBRAKED, _ROLLED = 0.04, 0.3  # largest deceleration without a brake [g], time of it needed [s]
 _CUT = 0.85  # share of zeros [1]: a noisy pressure sensor that is cut at 0 has 2/3
 _PRESSED = 20e5  # pressure from which left and right sensor agree in proportion [Pa]
 _BEYOND_CARS = {"v": "v_beyond_cars", "omega": "wheel_beyond_cars", "a": "a_x_beyond_cars"}
+"""Code of a value that no car reaches, by the first part of the channel's name."""
 
 
 def channels(evidence: Evidence) -> Iterator[Measured]:
@@ -60,7 +60,7 @@ def sensors(evidence: Evidence) -> Iterator[Measured]:
             yield Measured("end_of_range", sensor.saturated, words=words)
         yield Measured("saturated", sensor.saturated, words=words)
         if code := _BEYOND_CARS.get(name.split("_")[0]):
-            # a few impossible samples are a glitch; more are a wrong unit or decoding
+            # a few samples beyond are a glitch; more are a wrong unit or decoding
             largest = float(np.quantile(np.abs(evidence.run.log[name]), 1.0 - FEW))
             yield Measured(code, largest, words=words)
         if name.startswith("p_"):
@@ -78,11 +78,11 @@ def pressure(evidence: Evidence) -> Iterator[Measured]:
     if not run.pressures or master.saturated:
         return
     delay, names = next(iter(run.pressures.values())), ", ".join(run.pressures)  # one delay for all
-    how = f"{names} {'are' if len(run.pressures) > 1 else 'is'} {delay.words}"
+    cause = f"{names} {'are' if len(run.pressures) > 1 else 'is'} {delay.words}"
     # on a ramp a zero that is too low looks like a delay; a correct zero has noise
     if master.low == 0.0 and master.flat > _CUT and delay.least < 0.0:
-        how = f"a zero of p_mc that is too low, so that it is cut at 0, or {how}"
-    words = {"how": how, "entry": f"{delay.entry} to {names}"}
+        cause = f"a zero of p_mc that is too low, so that it is cut at 0, or {cause}"
+    words = {"how": cause, "entry": f"{delay.entry} to {names}"}
     yield Measured("pressure_late", delay.least, words=words)
     has_motor = any(name.startswith("T_drive") for name in run.present)
     if abs(delay.least) <= _IN_TIME and not has_motor:
@@ -125,19 +125,21 @@ def zero_of_pressure(evidence: Evidence) -> Iterator[Measured]:
     if run.missing or run.speed < MOVING:
         return
     s = run.signals
-    rolling = s.lead_in if s.lead_in.any() else _rolls_at_first(run.driving)
+    rolling = s.lead_in if s.lead_in.any() else _unbraked_by_a_x(run.driving)
     if rolling.any():
         zero = max((float(np.mean(p[rolling])) for p in (s.p_f, s.p_r)), key=abs)
         yield Measured("pressure_zero", from_si(zero, "bar", "Pa"))
 
 
-def _rolls_at_first(driving: DrivingRecord) -> Mask:
-    """First half of the samples (n,) before the car brakes by a_x; none if it slows there."""
-    unbraked = np.flatnonzero(np.cumsum(driving.z > BITE_Z) == 0)
-    # a ramp may begin in the second half
-    first, rolling = unbraked[: unbraked.size // 2], np.zeros_like(driving.moving)
-    if first.size * driving.step >= _ROLLED and np.mean(driving.z[first]) <= _UNBRAKED:
-        rolling[first] = driving.moving[first]
+def _unbraked_by_a_x(driving: DrivingRecord) -> Mask:
+    """Mask (n,) of the first half of the log before a_x shows a braking; none if it slows there.
+
+    A ramp may begin in the second half.
+    """
+    half = np.count_nonzero(np.cumsum(driving.z > BITE_Z) == 0) // 2
+    rolling = np.zeros_like(driving.moving)
+    if half * driving.step >= _ROLLED and np.mean(driving.z[:half]) <= _UNBRAKED:
+        rolling[:half] = driving.moving[:half]
     return rolling
 
 
@@ -153,7 +155,7 @@ def pressure_sides(evidence: Evidence) -> Iterator[Measured]:
 
 
 def from_master(evidence: Evidence) -> Iterator[Measured]:
-    """Difference of wheel pressures from p_mc, rms over its mean; not if one axle brakes alone."""
+    """Rms of wheel pressures less p_mc, over the mean of p_mc; not if one axle brakes alone."""
     log, s = evidence.run.log, evidence.run.signals
     pressed = log["p_mc"] > _PRESSED / 2.0
     if evidence.run.alone is None and np.any(pressed):

@@ -49,8 +49,8 @@ class Findings:
 def check(log: Log, vehicle: Vehicle | None = None) -> Findings:
     """Check a log and judge it for each purpose, by the rules of that purpose.
 
-    Channels may be missing (``require=()`` of `read_log`). Rules that need a vehicle are left out
-    without one, and rules that need other logs always.
+    Channels may be missing (``require=()`` of `read_log`). Rules that need other logs are left out,
+    and without ``vehicle`` those that need a vehicle.
 
     >>> import calib
     >>> findings = calib.check(calib.read_log(calib.sample_logs() / "sedan" / "coast.csv"))
@@ -72,13 +72,13 @@ def check(log: Log, vehicle: Vehicle | None = None) -> Findings:
 
 
 def unseen(run: Run) -> tuple[str, ...]:
-    """Channels whose scale no log shows; an error of it moves all pads as much."""
+    """Channels whose scale no log shows; an error of the scale moves all pads as much."""
     scaled = ("p_mc",) if "v" in run.present else ("p_mc", "a_x")
     return tuple(name for name in scaled if name in run.present)
 
 
 def to_dict(findings: Findings) -> dict[str, Any]:
-    """The findings as JSON types in SI; ``figures`` are those of the results of a batch."""
+    """Return the findings as JSON types in SI; ``figures`` are the columns of a batch."""
     run, log = findings.run, findings.run.log
     return {
         "usable": findings.usable,
@@ -106,15 +106,14 @@ def _origins(log: Log) -> tuple[Origin, ...]:
 def _is_canonical(origin: Origin) -> bool:
     """Whether the file has a channel under its canonical name and unit."""
     quantity = CHANNELS[origin.channel]
-    offset, at_one = (to_si(x, quantity.unit, quantity.si) for x in (0.0, 1.0))
-    has_factor = math.isclose(origin.factor, at_one - offset)
+    offset, one_unit = (to_si(x, quantity.unit, quantity.si) for x in (0.0, 1.0))
+    has_factor = math.isclose(origin.factor, one_unit - offset)
     return origin.source == origin.channel and has_factor and origin.offset == offset
 
 
 _VIEWS = (
-    "present", "missing", "clock", "sensors", "events", "lead_in", "coasting",
-    "speed", "z", "alone", "pressures", "wheels_held", "axles",
-    "slipping", "wheels",
+    "present", "missing", "clock", "sensors", "events", "lead_in", "coasting", "speed", "z",
+    "alone", "pressures", "wheels_held", "axles", "slipping", "wheels",
 )  # fmt: skip
 """Views of a run in the document."""
 

@@ -1,6 +1,6 @@
 """Figures of how a run was driven: clock, speed, rolling before the brake, the ramp, ABS.
 
-Each function is a figure of `rules.csv` by its name.
+Each public function is the figure of that name in `rules.csv`.
 """
 
 import math
@@ -59,7 +59,7 @@ def maneuver(evidence: Evidence) -> Iterator[Measured]:
 
 
 def _ramp(run: Run) -> Iterator[Measured]:
-    """The best ramp of a run, else its widest rise, and what disturbs it."""
+    """The widest ramp of a run, else its widest rise, and what disturbs it."""
     is_alone = run.alone is not None
     ramps = [x for x in run.events if x.braking_time >= _RAMP_TIME and x.rise_time >= _RAMP_RISE]
     ramp = max(ramps, key=lambda event: event.rise_z, default=None)
@@ -81,12 +81,11 @@ def _wheels_at_limit(
     run: Run, abs_code: str, locked_code: str, start: float = -math.inf, end: float = math.inf
 ) -> Iterator[Measured]:
     """Number of ABS cycles from ``start`` to ``end`` [s], and of wheels that lock in the run."""
-    slips = run.slipping
-    cycles = (
-        [(wheel, time) for wheel, time in slips.cycles if start <= time <= end] if slips else []
-    )
+    if run.slipping is None:
+        return
+    cycles = [(wheel, time) for wheel, time in run.slipping.cycles if start <= time <= end]
     wheels = ", ".join(dict.fromkeys(wheel for wheel, _ in cycles))
     first = cycles[0][1] if cycles else 0.0
     yield Measured(abs_code, len(cycles), words={"wheels": wheels, "when": first})
-    locked = slips.locked if slips else ()
+    locked = run.slipping.locked
     yield Measured(locked_code, len(locked), words={"wheels": ", ".join(locked)})

@@ -1,4 +1,4 @@
-"""What the figures of a run are computed from."""
+"""The run, and the knowledge from beyond its log, from which its figures are computed."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from calib.run.run import Run
 
 @dataclass(frozen=True)
 class Evidence:
-    """A run, and what is known of it from a vehicle and from other runs."""
+    """A run, and results that need a vehicle or other runs."""
 
     run: Run
     accelerometer: Accelerometer | None = None  # errors of a_x, with a known resistance

@@ -1,6 +1,6 @@
 """Figures of the forces of a run with its vehicle: accelerometer, brakes, a bend.
 
-Each function is a figure of `rules.csv` by its name. Nothing here changes an estimate.
+Each public function is the figure of that name in `rules.csv`. Nothing here changes an estimate.
 """
 
 import math
@@ -25,28 +25,28 @@ _MOTOR, LEAST_ODDS = 0.67, 0.01
 pads; least prior odds, also where the vehicle file excludes a motor."""
 _FORCE = 0.1  # prior sigma of a motor's force over the usual brake force [1]: 0.01 to 0.1 of 0.3 g
 _USUAL, _FADING = 0.015, 0.02
-"""Sigma, without a motor, of a force without pressure and of one that fades with the speed [1]. The
-first: bite of the pads and zero of p_mc, 0.5 of 30 bar. The second: slow noise in the half second
-below 3 m/s. Pads that grip more at low speed make it negative."""
+"""Sigma, without a motor, of a force without pressure, by bite of the pads and zero of p_mc (0.5 of
+30 bar), and of one that fades with the speed, by slow noise in the half second below 3 m/s [1]."""
 _UPRIGHT = 0.1
 """Deceleration [1] beyond which left and right are not compared: in a bend the inner wheels bear
 less and slip more, which looks like a tighter bend."""
 _LEAST_Z = 0.1  # least usual deceleration of a braking [1], to which the noise of z is related
 _STEP_NOISE = 3.2
-"""Sigma of the difference of two medians over 0.3 s, over the density of the noise [1/s^0.5]: a
-median has 1.25 sigma of a mean, and 1.25 sqrt(2/0.3) is 3.2."""
+"""Sigma of the difference of two medians over 0.3 s, over the density of the noise [1/s^0.5]: that
+of a median is 1.25 times that of a mean, and 1.25 sqrt(2/0.3) is 3.2."""
 
 
 def bend(evidence: Evidence) -> Iterator[Measured]:
-    """Mean lateral acceleration [m/s^2]; without ``straight`` runs it looks like unlike radii."""
+    """Mean lateral acceleration [m/s^2], measured only if ``straight`` runs show the radii."""
     run, s = evidence.run, evidence.run.signals
     upright = (s.speed > MOVING) & (s.z < _UPRIGHT)
     if evidence.straight and upright.any():
-        fast, logs = 2.0 * MOVING / NOMINAL_RADIUS, (run.log for run in evidence.straight)
-        ratios = [sides(log)[log["omega_rl"] + log["omega_rr"] > fast] for log in logs]
+        sum_moving = 2.0 * MOVING / NOMINAL_RADIUS  # of the speeds of both rear wheels [rad/s]
+        logs = [run.log for run in evidence.straight]
+        ratios = [sides(log)[log["omega_rl"] + log["omega_rr"] > sum_moving] for log in logs]
         straight = float(np.mean(np.concatenate(ratios)))
-        turned = lateral(run.log, s, run.car.track_width, straight)
-        yield Measured("bend", float(np.mean(turned[upright])))
+        lateral_acceleration = lateral(run.log, s, run.car.track_width, straight)
+        yield Measured("bend", float(np.mean(lateral_acceleration[upright])))
 
 
 def accelerometer(evidence: Evidence) -> Iterator[Measured]:
@@ -75,9 +75,10 @@ def a_x_late(evidence: Evidence) -> Iterator[Measured]:
 def brakes(evidence: Evidence) -> Iterator[Measured]:
     """Force without pressure, and the delay of the brakes.
 
-    A motor that brakes from the first pressure on is a force without pressure. One that hands over
-    to the brakes before the car stands is a force that fades with the speed, which only a run
-    braked to below 3 m/s shows. Each alone and both have the same prior odds.
+    A motor that brakes from the first pressure on is a force without pressure. If it hands over to
+    the brakes before the car stands, this force fades with the speed, as only a run braked to below
+    3 m/s shows; the fading is negative for pads that grip more at low speed. Each sign of a motor
+    alone and both have the same prior odds.
     """
     response, vehicle = evidence.response, evidence.run.vehicle
     if response is None or vehicle is None:
@@ -111,7 +112,7 @@ def force_step(evidence: Evidence) -> Iterator[Measured]:
 
 
 def levels(evidence: Evidence) -> Iterator[Measured]:
-    """Brakes of one log of a diagnosis over the median of two others or more (logarithm)."""
+    """Level of the brakes over the median of two or more other logs of a diagnosis (logarithm)."""
     response = evidence.response
     if response is not None and len(evidence.levels) >= 2:
         change = math.log(response.level / median(evidence.levels))

@@ -10,13 +10,11 @@ from calib.car.vehicle import Vehicle
 from calib.table.budget import grade_sigma, pad_levels
 from calib.table.table import Calibration, Value
 
-_POSSIBLE = (0.05, 1.0)
-"""Range of pad friction [1]: soaked pads have 0.1, racing pads 0.7."""
+_POSSIBLE = (0.05, 1.0)  # range of pad friction [1]: soaked pads have 0.1, racing pads 0.7
 _GRADES = 0.26
 """Largest ratio of front to rear pads over that of the file (logarithm): two grades differ by 30 %.
-If the whole interval is beyond, the file is of another car."""
-_LOADED = 0.25
-"""Largest change of the brakes (logarithm) by a load or a sensor; soaked pads lose half."""
+If the whole 95 % interval is beyond, the file is of another car."""
+_LOADED = 0.25  # largest change of the brakes (logarithm) by load or sensor; soaked pads lose half
 
 
 def require_possible_pads(
@@ -27,7 +25,7 @@ def require_possible_pads(
 ) -> None:
     """Raise VehicleError for pads, or an interval of their ratio, that no car can have.
 
-    It lists the ``warnings`` on file and logs. The text ``motor``, if any, is the first cause.
+    The error lists the ``warnings`` on file and logs, and ``motor``, if any, as the first cause.
     """
     pads = (fitted.pad_friction_f.value, fitted.pad_friction_r.value)
     (low, high), rho = _POSSIBLE, fitted.pad_log_ratio
@@ -54,7 +52,7 @@ def require_possible_pads(
 def calibration_figures(
     vehicle: Vehicle, fitted: Calibration, user_specified: Value | None = None
 ) -> Iterator[Measured]:
-    """Pads over the file's, their ratio over the ``user_specified`` (logarithm), tyre stiffness."""
+    """Pads over those of the file, their ratio over a ``user_specified`` one, tyre stiffness."""
     axles = [
         relative("pads_off_file_f", fitted.pad_friction_f.value, vehicle.front.pad_friction),
         relative("pads_off_file_r", fitted.pad_friction_r.value, vehicle.rear.pad_friction),

@@ -1,9 +1,8 @@
 """Judge a run for a purpose by the rules, in `check` as in `fit`, `validate` and `diagnose`.
 
-run --figures--> measured values --rows of `rules.csv` for the purpose--> warnings
+    run --figures--> measured values --rows of `rules.csv` for the purpose--> warnings
 
-Figures of the log alone come first; if they refuse it, its signals are not computed. Rules that
-need a vehicle are left out without one. Warnings come in the order of the rows, causes first.
+Warnings come in the order of the rows, causes first.
 """
 
 from collections.abc import Callable, Collection, Iterator
@@ -38,33 +37,36 @@ _REFUSALS = {
 
 Figure = Callable[[Evidence], Iterator[Measured]]
 
-_OF_LOG: tuple[Figure, ...] = (
+_LOG_FIGURES: tuple[Figure, ...] = (
     driving.clock, channels.channels, channels.computed, channels.impossible_samples,
     channels.sensors,
 )  # fmt: skip
 """Figures of any log, each named as in `rules.csv`."""
-_OF_MOTION: tuple[Figure, ...] = (
+_MOTION_FIGURES: tuple[Figure, ...] = (
     wheels.wheel_sign, driving.driving, driving.maneuver, wheels.a_x_follows, wheels.wheels,
     wheels.radii, channels.zero_of_pressure, channels.pressure, channels.reference_speed,
     channels.held_values,
 )  # fmt: skip
 """Figures that need a_x and the wheel speeds."""
-_OF_SIGNALS: tuple[Figure, ...] = (
+_SIGNAL_FIGURES: tuple[Figure, ...] = (
     channels.copied, channels.delay_of_v, channels.pressure_sides, channels.from_master,
     wheels.car_wheels, wheels.a_x_by_wheels, wheels.slip, wheels.slip_of_v, wheels.v_scale,
     forces.accelerometer, forces.a_x_late, forces.brakes, forces.force_step, forces.bend,
     forces.levels,
 )  # fmt: skip
-"""Figures that need all channels, and a car that moves."""
+"""Figures that need all channels, and a car that moves; some need a vehicle."""
 
 
 def unusable(
     run: Run, purpose: str, consequences: Collection[str] = (REFUSE, VOID)
 ) -> tuple[PlausibilityWarning, ...]:
-    """Reasons for which a run is refused, or its result void, before any estimate."""
-    evidence, (of_log, of_signals) = Evidence(run), _figures(run)
-    reasons = _broken(evidence, of_log, purpose, consequences)
-    return reasons or _broken(evidence, of_signals, purpose, consequences)
+    """Reasons for which a run is refused, or its result void, before any estimate.
+
+    Figures of the log alone come first. If they refuse it, its signals are not computed.
+    """
+    evidence, (log_figures, signal_figures) = Evidence(run), _figures(run)
+    reasons = _broken(evidence, log_figures, purpose, consequences)
+    return reasons or _broken(evidence, signal_figures, purpose, consequences)
 
 
 def require(run: Run, purpose: str) -> None:
@@ -84,19 +86,20 @@ def warnings_on(
     evidence: Evidence, purpose: str, consequences: Collection[str] = (WARN,)
 ) -> tuple[PlausibilityWarning, ...]:
     """Warnings on a run for a purpose, in the order of the rules, with these consequences."""
-    of_log, of_signals = _figures(evidence.run)
-    return _broken(evidence, (*of_log, *of_signals), purpose, consequences)
+    log_figures, signal_figures = _figures(evidence.run)
+    return _broken(evidence, (*log_figures, *signal_figures), purpose, consequences)
 
 
 def warnings_on_log(run: Run, purpose: str) -> tuple[PlausibilityWarning, ...]:
-    """Warnings for a purpose that rest on the log and its motion alone, as for a refused run."""
+    """Warnings by the figures of the log and its motion alone, as for a run that is refused."""
     return _broken(Evidence(run), _figures(run)[0], purpose, (WARN,))
 
 
 def _figures(run: Run) -> tuple[tuple[Figure, ...], tuple[Figure, ...]]:
-    """Figures of the log and its motion, and those of its signals, if it has what they need."""
-    of_log = (*_OF_LOG, *_OF_MOTION) if run.has_motion_channels else _OF_LOG
-    return of_log, _OF_SIGNALS if not run.missing and run.speed > MOVING else ()
+    """Figures of log and motion, and figures of the signals, for which the run has the channels."""
+    motion = _MOTION_FIGURES if run.has_motion_channels else ()
+    signals = _SIGNAL_FIGURES if not run.missing and run.speed > MOVING else ()
+    return (*_LOG_FIGURES, *motion), signals
 
 
 def _broken(

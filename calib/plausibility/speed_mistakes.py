@@ -5,9 +5,9 @@
     late = g int z dt from (t - delay)/(1 + c) to t
 
 over coasting, lead-in and braking, until a wheel is at its limit. Each hypothesis is a linear
-Gaussian model with its own prior of the radius R, the offset, the rate error c of the clock of v,
-and the road. Slip is a cubic of z and a steep term near the peak of the tyres. Where the pressure
-fits better, it replaces z, whose noise is amplified near the peak.
+Gaussian model of both equations with its own prior of the unknowns, such as the radius R, the
+offset and the rate error c of the clock of v. Slip is a cubic of z and a steep term near the peak
+of the tyres. Where the pressure fits better, it replaces z, whose noise is amplified there.
 """
 
 import math
@@ -28,28 +28,29 @@ OFFSET, CLOCK = "offset", "clock"
 
 _FEWEST, _LASTING = 20, 4.0
 """Fewest means, and the factor on their variance for correlated errors [1]."""
-_FILE, _USUAL, _CAR, _UNIT = 0.012, 0.08, 0.1, 3.0
-"""Sigma of a radius over that of the vehicle file, over the usual one, with the file of another
+_RADIUS_BY_FILE, _RADIUS, _OTHER_CAR, _OTHER_UNIT = 0.012, 0.08, 0.1, 3.0
+"""Sigma of a radius over that of the vehicle file, over the usual radius, with the file of another
 car, and with v in another unit [1]."""
 _STEEP, _GENTLE = 8, 0.1  # order in z of the steep term; least z to which it is scaled [1]
 SLIP = ((0.04, 0.02), (0.01, 0.02), (0.0, 0.02), (0.0, 0.002), (0.0, 0.003))
 """Mean and sigma of the coefficients of slip: of z, its square, cube and steep term; and of the
 growth of a tyre by the square of the wheel speed over 100 rad/s [1]."""
-_SLIPPERY = ((0.12, 0.03), (0.1, 0.1), (0.4, 0.3), (0.03, 0.03), SLIP[-1])
+_SLIP_WET = ((0.12, 0.03), (0.1, 0.1), (0.4, 0.3), (0.03, 0.03), SLIP[-1])
 """The same on a wet road: a brush of stiffness K and peak m has (1 + z/(3 m) + 5 z^2/(27 m^2) ...)
 z/K, over the load that it bears. K is 8 to 18, m 0.35 to 0.6. No sigma is above its mean, since
 negative slip is that of a v that runs fast."""
-_IN_TIME, _LATE = 0.05, (0.1, 0.2, 0.3, 0.4)
+_UNBRAKED_SLIP = 0.2  # sigma of the slip of an unbraked axle over that of a braked one [1]
+_IN_TIME, _DELAYS = 0.05, (0.1, 0.2, 0.3, 0.4)
 """Sigma of the delay, and delays of v from a receiver or a slow filter [s]."""
 _FINEST = 5e-3  # least error of v [m/s]
-_ROLLS = 0.2  # sigma of the slip of an unbraked axle over the usual one [1]
-_A_X, _SCALE = ((0.0, 100.0), (0.0, 0.3), (0.0, 0.02)), 0.015
+_ROAD, _SCALE = ((0.0, 100.0), (0.0, 0.3), (0.0, 0.02)), 0.015
 """Mean and sigma of v_0 [m/s], of slope and zero of a_x [m/s^2], of their drift [m/s^3]; sigma of
 the scale of a_x [1]."""
-_SMALL, _LARGE = 0.3, (3.0, 30.0)  # sigma of a usual offset, and of mistakes of any size [rad/s]
-_RATES, _NEAR, _STEADY = tuple(x / 100.0 for x in range(-10, 11, 2) if x), 0.01, 1e-3
-"""Rate errors of a wrong clock, their sigma, and the sigma of a correct one [1]."""
-_RARE, _RARER = math.log(0.05), math.log(0.01)  # ln of prior odds: other explanations, a mistake
+_OFFSET, _WRONG_OFFSETS = 0.3, (3.0, 30.0)  # sigma of a usual offset, of mistakes [rad/s]
+_RATE, _WRONG_RATE = 1e-3, 0.01  # sigma of the rate error of a correct clock, of a wrong one [1]
+_WRONG_RATES = tuple(x / 100.0 for x in range(-10, 11, 2) if x)  # rate errors of a wrong clock [1]
+_LOG_RARE, _LOG_MISTAKE = math.log(0.05), math.log(0.01)
+"""ln of prior odds: of the rarer hypotheses without a mistake, and of a mistake."""
 _EXPLAINED = 1.4
 """Largest squared residual with a mistake over that of free coefficients [1]: true mistakes leave
 0.4 to 1.0, and 1.6 the best of those that stood for a peak which no hypothesis has."""
@@ -70,13 +71,14 @@ def speed_mistakes(run: Run) -> dict[str, tuple[SpeedMistake, ...]]:
     car, means = run.vehicle, _Means.of_run(run)
     radii = (car.front.rolling_radius, car.rear.rolling_radius) if car else (None, None)
     by_axle = {a: _mistakes(run, means, a, radius) for a, radius in zip(AXLES, radii, strict=True)}
-    likely_by_axle = {a: likely for a in AXLES if (likely := _likely(by_axle[a]))}
-    if not likely_by_axle:
+    likely = {axle: _likely(mistakes) for axle, mistakes in by_axle.items()}
+    likely = {axle: mistakes for axle, mistakes in likely.items() if mistakes}
+    if not likely:
         return {}
-    likeliest = max(likely_by_axle.values(), key=lambda mistakes: mistakes[0].log_odds)
+    likeliest = max(likely.values(), key=lambda mistakes: mistakes[0].log_odds)
     same = [m for mistakes in by_axle.values() for m in mistakes if m.kind == likeliest[0].kind]
-    differ = np.ptp([m.size for m in same]) > 3.0 * math.hypot(*(m.sigma for m in same))
-    return likely_by_axle if differ else {"": likeliest}
+    axles_differ = np.ptp([m.size for m in same]) > 3.0 * math.hypot(*(m.sigma for m in same))
+    return likely if axles_differ else {"": likeliest}
 
 
 def _likely(mistakes: list[SpeedMistake]) -> tuple[SpeedMistake, ...]:
@@ -95,11 +97,11 @@ def _mistakes(run: Run, means: "_Means", axle: str, radius: float | None) -> lis
     if run.alone == axle or means.v.size < _FEWEST:
         return []
     model = _AxleModel.of_axle(run, means, axle, radius or NOMINAL_RADIUS)
-    fits = model.fits(list(_beliefs(_FILE if radius else _USUAL)))
-    log_without = np.logaddexp.reduce([fit.log for fit in fits if not fit.belief.kind])
+    fits = model.fits(list(_hypotheses(_RADIUS_BY_FILE if radius else _RADIUS)))
+    log_without = np.logaddexp.reduce([fit.log for fit in fits if not fit.hypothesis.kind])
     mistakes = []
     for kind, place in ((OFFSET, 1), (CLOCK, -1)):  # place among the unknowns
-        of_kind = [fit for fit in fits if fit.belief.kind == kind]
+        of_kind = [fit for fit in fits if fit.hypothesis.kind == kind]
         best = max(of_kind, key=lambda fit: fit.log)
         if _LASTING * best.misfit < _EXPLAINED * means.v.size:
             log_odds = float(np.logaddexp.reduce([fit.log for fit in of_kind]) - log_without)
@@ -109,43 +111,44 @@ def _mistakes(run: Run, means: "_Means", axle: str, radius: float | None) -> lis
     return mistakes
 
 
-class _Belief(NamedTuple):
-    """Prior of a hypothesis."""
+class _Hypothesis(NamedTuple):
+    """What may be wrong, and the prior of the unknowns."""
 
     kind: str  # of the mistake, or ""
-    log_odds: float
+    log_odds: float  # ln of the prior odds
     radius: float  # sigma of the radius over its mean [1]
-    offset: float = _SMALL  # sigma of the offset [rad/s]
+    offset: float = _OFFSET  # sigma of the offset [rad/s]
     delay: float = 0.0  # of v [s]
     rate: float = 0.0  # relative error of the clock of v [1]
-    rate_sigma: float = _STEADY
+    rate_sigma: float = _RATE
     slips: bool = False  # whether v is made of wheel speeds, and slips with them
     scale: float = _SCALE  # sigma of the scale of a_x [1]
-    slippery: bool = False  # whether the road is wet
+    slip: tuple[tuple[float, float], ...] = SLIP  # of the wheels
 
 
-def _beliefs(radius: float) -> Iterator[_Belief]:
-    """All hypotheses; ``radius`` is the sigma of the known radius [1]."""
-    yield _Belief("", 0.0, radius)
-    yield _Belief("", _RARE, radius, slips=True)
-    yield _Belief("", _RARE, radius, slippery=True)
-    yield _Belief("", _RARE, _CAR)
-    yield _Belief("", _RARE, _CAR, scale=_CAR)
-    yield _Belief("", _RARE, _UNIT, scale=_UNIT)
-    for delay in _LATE:
-        yield _Belief("", _RARE - math.log(len(_LATE)), radius, delay=delay)
-    for offset in _LARGE:
-        yield _Belief(OFFSET, _RARER - math.log(len(_LARGE)), radius, offset)
-    for rate in _RATES:
-        odds = _RARER - math.log(len(_RATES))
-        yield _Belief(CLOCK, odds, radius, rate=rate, rate_sigma=_NEAR)
+def _hypotheses(radius: float) -> Iterator[_Hypothesis]:
+    """Yield all hypotheses; ``radius`` is the sigma of the known radius [1]."""
+    yield _Hypothesis("", 0.0, radius)
+    yield _Hypothesis("", _LOG_RARE, radius, slips=True)
+    yield _Hypothesis("", _LOG_RARE, radius, slip=_SLIP_WET)
+    yield _Hypothesis("", _LOG_RARE, _OTHER_CAR)
+    yield _Hypothesis("", _LOG_RARE, _OTHER_CAR, scale=_OTHER_CAR)
+    yield _Hypothesis("", _LOG_RARE, _OTHER_UNIT, scale=_OTHER_UNIT)
+    for delay in _DELAYS:
+        yield _Hypothesis("", _LOG_RARE - math.log(len(_DELAYS)), radius, delay=delay)
+    for offset in _WRONG_OFFSETS:
+        odds = _LOG_MISTAKE - math.log(len(_WRONG_OFFSETS))
+        yield _Hypothesis(OFFSET, odds, radius, offset)
+    for rate in _WRONG_RATES:
+        odds = _LOG_MISTAKE - math.log(len(_WRONG_RATES))
+        yield _Hypothesis(CLOCK, odds, radius, rate=rate, rate_sigma=_WRONG_RATE)
 
 
 class _Fit(NamedTuple):
     """Posterior of a hypothesis."""
 
-    belief: _Belief
-    log: float  # ln of odds times evidence
+    hypothesis: _Hypothesis
+    log: float  # ln of prior odds times evidence
     unknowns: Array  # mean (14,)
     covariance: Array  # (14, 14)
     misfit: float  # squared residuals of the first equation [1]
@@ -158,9 +161,9 @@ class _Means(NamedTuple):
     size: int  # samples of a mean
     v: Array  # (n,) [m/s]
     braked: list[Array]  # z (n,), and the pressure (n,) scaled to z
-    shifts: dict[tuple[float, float], Array]  # `late` of the head (n,) by delay and rate error
-    late: Array  # columns (n, 2) of delay and rate error
-    a_x: Array  # columns (n, 5) of the second equation: v_0, slope, its change, slip of v, scale
+    late: dict[tuple[float, float], Array]  # `late` of the head (n,) by delay and rate error [m/s]
+    by_late: Array  # columns (n, 2): change of `late` by delay and by rate error
+    a_x: Array  # columns (n, 5) of the second equation: v_0, slope, its drift, slip of v, scale
     a_x_noise: float  # of v by the second equation [m/s]
 
     @classmethod
@@ -169,25 +172,25 @@ class _Means(NamedTuple):
         inside = d.moving & (d.z > -DRIVEN_Z) & (d.z < GREATEST_Z) & (d.time < run.first_slip)
         use = block_mean(np.where(inside, 1.0, 0.0), size) == 1.0
         time, lost = d.time - d.time[0], G * integral(d.time, d.z)
-        pairs = [(delay, 0.0) for delay in (0.0, *_LATE)] + [(0.0, rate) for rate in _RATES]
-        shifts = [lost - np.interp((time - delay) / (1.0 + c), time, lost) for delay, c in pairs]
-        signals = np.array([run.log["v"], d.z, time, lost, *shifts])
-        v, z, time, lost, *shifts = block_mean(signals, size)[:, use]
+        pairs = [(delay, 0.0) for delay in (0.0, *_DELAYS)] + [(0.0, c) for c in _WRONG_RATES]
+        late = [lost - np.interp((time - delay) / (1.0 + c), time, lost) for delay, c in pairs]
+        signals = np.array([run.log["v"], d.z, time, lost, *late])
+        v, z, time, lost, *late = block_mean(signals, size)[:, use]
         braked = [z]
         if d.pressure is not None:
             p = block_mean(d.pressure, size)[use]
             braked.append(p * float(z @ p) / max(float(p @ p), 1.0))
-        late = np.stack([G * z, G * z * time], axis=1)
+        by_late = np.stack([G * z, G * z * time], axis=1)
         a_x = np.stack([np.ones_like(v), time, 0.5 * time**2, -z * v, -lost], axis=1)
-        noise = _noise(np.hstack([a_x, late]), v, shifts)
-        return cls(use, size, v, braked, dict(zip(pairs, shifts, strict=True)), late, a_x, noise)
+        noise = _noise(np.hstack([a_x, by_late]), v, late)
+        return cls(use, size, v, braked, dict(zip(pairs, late, strict=True)), by_late, a_x, noise)
 
 
 class _AxleModel(NamedTuple):
     """How the wheels of an axle and a_x explain v."""
 
     means: _Means
-    columns: Array  # (2 n, 14) of both equations: radius, offset, slip (5), `_Means.a_x`, `late`
+    columns: Array  # (2 n, 14) of both equations: radius, offset, slip (5), a_x (5), by_late (2)
     radius: float  # that the first unknown multiplies [m]
     noise: Array  # of v (2 n,) [m/s]
     slip_factors: Array  # on mean and sigma of the slip (2,) [1]
@@ -196,21 +199,22 @@ class _AxleModel(NamedTuple):
     def of_axle(cls, run: Run, means: _Means, axle: str, radius: float) -> "_AxleModel":
         omega = 0.5 * (run.log[f"omega_{axle}l"] + run.log[f"omega_{axle}r"])
         omega = block_mean(omega, means.size)[means.is_used]
-        v, late, a_x, shifts = means.v, means.late, means.a_x, list(means.shifts.values())
+        v, a_x, by_late = means.v, means.a_x, means.by_late
         candidates = [radius * _by_wheels(omega, x) for x in means.braked]
-        noises = [_noise(np.hstack([A, late]), v, shifts) for A in candidates]
+        noises = [_noise(np.hstack([A, by_late]), v, list(means.late.values())) for A in candidates]
         wheels = candidates[int(np.argmin(noises))]
         noise = np.repeat([min(noises), means.a_x_noise], v.size)
-        columns = np.block([[wheels, 0.0 * a_x, late], [0.0 * wheels, a_x, late]])
-        slip_factors = np.array([1.0, 1.0] if run.alone is None else [0.0, _ROLLS])
+        columns = np.block([[wheels, 0.0 * a_x, by_late], [0.0 * wheels, a_x, by_late]])
+        # an axle beside one that brakes alone hardly slips
+        slip_factors = np.array([1.0, 1.0] if run.alone is None else [0.0, _UNBRAKED_SLIP])
         return cls(means, columns, radius, noise, slip_factors)
 
-    def fits(self, beliefs: Sequence[_Belief]) -> list[_Fit]:
-        """Posterior of the unknowns under each of the h beliefs."""
-        mean, sigma = np.stack([self._prior(belief) for belief in beliefs], axis=1)  # (h, 14)
-        shifts = np.stack([self.means.shifts[belief.delay, belief.rate] for belief in beliefs])
+    def fits(self, hypotheses: Sequence[_Hypothesis]) -> list[_Fit]:
+        """Posterior of the unknowns under each of the h hypotheses."""
+        mean, sigma = np.stack([self._prior(x) for x in hypotheses], axis=1)  # (h, 14)
+        late = np.stack([self.means.late[x.delay, x.rate] for x in hypotheses])
         rows = self.columns / self.noise[:, None]
-        residual = np.tile(self.means.v - shifts, 2) / self.noise - mean @ rows.T  # (h, 2 n)
+        residual = np.tile(self.means.v - late, 2) / self.noise - mean @ rows.T  # (h, 2 n)
         side = residual @ rows
         x, covariances, evidence = posterior(rows.T @ rows, side, sigma)
         squares = (residual - x @ rows.T) ** 2
@@ -219,19 +223,19 @@ class _AxleModel(NamedTuple):
         logs = evidence - 0.5 * np.sum(side * x, axis=1) - 0.5 * misfit_and_prior
         misfits = np.sum(squares[:, : self.means.v.size], axis=1)
         unknowns = mean + x
-        unknowns[:, -1] += [belief.rate for belief in beliefs]
-        logs += [belief.log_odds for belief in beliefs]
-        results = zip(beliefs, logs.tolist(), unknowns, covariances, misfits, strict=True)
+        unknowns[:, -1] += [hypothesis.rate for hypothesis in hypotheses]
+        logs += [hypothesis.log_odds for hypothesis in hypotheses]
+        results = zip(hypotheses, logs.tolist(), unknowns, covariances, misfits, strict=True)
         return [_Fit(*result) for result in results]
 
-    def _prior(self, belief: _Belief) -> Array:
-        """Mean and sigma of the unknowns (2, 14); the rate is relative to that of the belief."""
-        slip = self.slip_factors * np.array(_SLIPPERY if belief.slippery else SLIP)
-        of_v = [(0.0, _STEADY)]
-        if belief.slips:
-            slip, of_v = slip * (0.0, 1.0), [*slip[:1]]
-        prior = [(1.0, belief.radius), (0.0, belief.offset), *slip, *_A_X, *of_v]
-        prior += [(1.0, belief.scale), (0.0, _IN_TIME), (0.0, belief.rate_sigma)]
+    def _prior(self, x: _Hypothesis) -> Array:
+        """Mean and sigma of the unknowns (2, 14); the rate is that beyond the hypothesis."""
+        slip = self.slip_factors * np.array(x.slip)  # (5, 2)
+        slip_of_v = np.array((0.0, 1e-3))  # practically none
+        if x.slips:  # v and the wheels slip alike
+            slip, slip_of_v = slip * (0.0, 1.0), slip[0]
+        prior = [(1.0, x.radius), (0.0, x.offset), *slip, *_ROAD, slip_of_v]
+        prior += [(1.0, x.scale), (0.0, _IN_TIME), (0.0, x.rate_sigma)]
         return np.array(prior).T
 
 
@@ -242,9 +246,9 @@ def _by_wheels(omega: Array, z: Array) -> Array:
     return np.stack([omega, -np.ones_like(omega), *slips], axis=1)
 
 
-def _noise(A: Array, v: Array, shifts: list[Array]) -> float:
-    """Standard deviation of v [m/s] about the best regression on ``A`` with one of ``shifts``."""
-    shifted = (v - np.array(shifts)).T
+def _noise(A: Array, v: Array, late: list[Array]) -> float:
+    """Standard deviation [m/s] of v less one of ``late`` about its best regression on ``A``."""
+    shifted = (v - np.array(late)).T
     squares = np.sum((shifted - A @ np.linalg.lstsq(A, shifted)[0]) ** 2, axis=0)
     square = float(np.min(squares)) / max(v.size - A.shape[1], 1)
     return math.sqrt(_LASTING * square) + _FINEST

@@ -1,6 +1,6 @@
 """Figures of the wheels: against a_x, v and each other, without a vehicle and with one.
 
-Each function computes the numbers that the column `figure` of `rules.csv` names after it.
+Each public function is the figure of that name in `rules.csv`; `eta_rise` serves `slip`.
 """
 
 import math
@@ -30,12 +30,11 @@ _UNIT_KNOWN = 0.16
 """Largest difference (logarithm) from the ratio of two units at which these are reported: half of
 that between the closest ratios, 1.61 and 2.24."""
 _STIFFEST = 60.0  # slip stiffness K above that of any tyre [1]
-_ROLLED, _OTHER_SLOPE, _RADIUS = 0.5, 0.003, 0.01
-"""Shortest rolling [s] for zero and slope of a_x; sigma of a later change of the slope [1], and of
-the radii of a vehicle file [1]."""
+_ROLLED = 0.5  # shortest rolling that gives zero and slope of a_x [s]
+_OTHER_SLOPE, _RADIUS = 0.003, 0.01  # sigma of a later change of slope, and of a file's radii [1]
 _SLOWED = 0.25  # a_x is compared where the wheels' deceleration varies by more than this [1]
 _CONFIRMED = 0.4  # scale of a_x over the difference of the radii: from 0.4 to 1/0.4 they agree
-_BRAKED, _BRAKED_TIME = 0.05, 1.0  # deceleration [1] from which slip is seen; time of it [s]
+_BRAKED, _BRAKED_TIME = 0.05, 1.0  # least deceleration that shows slip [1], and its time [s]
 _SOURCES = {"front": (1.0, 0.0), "rear": (0.0, 1.0), "four": (0.5, 0.5)}
 """Weights of the front and rear wheels from which v may be computed."""
 
@@ -61,29 +60,28 @@ def wheels(evidence: Evidence) -> Iterator[Measured]:
         yield Measured("a_x_unit", abs(axles.slope))
     if axles.radius is not None:
         mistakes = speed_mistakes(run)
-        for axle, of_axle in mistakes.items():
-            yield _speed_mistake(axle, of_axle)
+        yield from (_speed_mistake(axle, likely) for axle, likely in mistakes.items())
         if not mistakes:
-            yield from _unit_of_v(
-                axles.radius, radius_by_a_x=axles.slope or 0.0
-            )  # the slope is [m]
-    if (crossed := crossed_side(run.wheels, run.alone)) is not None:
+            yield from _unit_of_v(axles.radius, radius_by_a_x=axles.slope or 0.0)
+    crossed = crossed_side(run.wheels, run.alone)
+    if crossed is not None:
         yield Measured("wheels_crossed_side", crossed.part, words={"found": crossed})
-    if (eta := axles.eta_braked) is not None:
+    eta = axles.eta_braked
+    if eta is not None:
         rise = -eta.value if run.alone == "r" else eta.value
         yield Measured("axles_swapped", rise, eta.half, words=_axle_words(run.alone))
 
 
 def _speed_mistake(axle: str, mistakes: Sequence[SpeedMistake]) -> Measured:
-    """The likeliest of the ``mistakes`` of v and the wheels of an ``axle``, or "" for both."""
+    """The first of the ``mistakes`` of v and the wheels of an ``axle``, or "" for both axles."""
     likeliest, *others = mistakes
     size = likeliest.size
     words = {"or": " or ".join(map(_in_words, others)), "percent": f"{100.0 * size:+.1f}"}
     if likeliest.kind == CLOCK:
         return Measured("v_clock", size, likeliest.sigma, words=words)
-    of_v = f"an offset of v of {-3.6 * size * likeliest.radius:+.1f} km/h"
+    offset_of_v = f"an offset of v of {-3.6 * size * likeliest.radius:+.1f} km/h"
     words["wheels"] = f"{AXLE_NAMES[axle]} wheel speeds" if axle else "wheel speeds"
-    words["of_v"] = "" if axle else of_v
+    words["of_v"] = "" if axle else offset_of_v
     return Measured("wheel_offset", size, likeliest.sigma, words=words)
 
 
@@ -94,7 +92,7 @@ def _in_words(mistake: SpeedMistake) -> str:
 
 
 def _unit_of_v(radius: float, radius_by_a_x: float) -> Iterator[Measured]:
-    """Rolling radius by v [m], and its ratio to the radius by a_x [1] where that is plausible."""
+    """Rolling radius by v [m], and its ratio to the radius by a_x [m] if that is plausible."""
     low, high = bounds_of("v_unit")
     is_plausible = low <= radius_by_a_x <= high
     factor = radius / (radius_by_a_x if is_plausible else NOMINAL_RADIUS)
@@ -105,7 +103,7 @@ def _unit_of_v(radius: float, radius_by_a_x: float) -> Iterator[Measured]:
 
 
 def _confused_units(factor: float) -> str:
-    """The units that make a ``v`` that is ``factor`` times too large [1]."""
+    """Text of the units that make a v that is ``factor`` times too large."""
     for unit, read_as in permutations(_UNITS, 2):
         if factor > 0.0 and abs(math.log(factor * _UNITS[unit] / _UNITS[read_as])) < _UNIT_KNOWN:
             return f"v is in {unit} and was read as {read_as}"
@@ -113,16 +111,16 @@ def _confused_units(factor: float) -> str:
 
 
 def _axle_words(alone: str | None) -> dict[str, str]:
-    """Names of the axle that should slip more and of the other one, if one brakes ``alone``."""
+    """Names of the axle that should slip more, the front one or that which brakes ``alone``."""
     more, less = ("rear", "front") if alone == "r" else ("front", "rear")
     return {"more": more, "less": less, "axle": less[0]}
 
 
 def a_x_follows(evidence: Evidence) -> Iterator[Measured]:
-    """Size of the correlation of a_x with the wheels' deceleration before a wheel slips [1]."""
+    """Magnitude of the correlation of a_x and wheel deceleration before a wheel slips [1]."""
     driving = evidence.run.driving
     use = driving.moving & (driving.time < evidence.run.first_slip)
-    for start, length in evidence.run.clock.gaps:  # means across a gap are of neither side
+    for start, length in evidence.run.clock.gaps:  # no mean may cross a gap
         middle, reach = start + 0.5 * length, 0.5 * length + LIMITS.slope_time
         use &= np.abs(driving.time - middle) > reach
     width = samples_in(LIMITS.slope_time, driving.step) | 1
@@ -132,7 +130,7 @@ def a_x_follows(evidence: Evidence) -> Iterator[Measured]:
 
 
 def radii(evidence: Evidence) -> Iterator[Measured]:
-    """Ratios of the rolling radii of the axles (over the file's, if any) and of both sides."""
+    """Ratios of the rolling radii of axles, over that of the file if known, and of both sides."""
     axles, vehicle = evidence.run.axles, evidence.run.vehicle
     if axles is None:
         return
@@ -148,15 +146,14 @@ def radii(evidence: Evidence) -> Iterator[Measured]:
 def slip(evidence: Evidence) -> Iterator[Measured]:
     """Rise of eta under braking: the axle that brakes alone, else the front one, must slip more.
 
-    Only decelerations up to 0.8 of that at which the car, or without a vehicle any car, stops being
-    front-biased are used.
+    Decelerations are used up to 0.8 of that from which on the car is no longer front-biased.
     """
     run, b = evidence.run, evidence.run.blocks
     front_biased = front_biased_up_to(run.car) if run.vehicle else LEAST_FRONT_BIASED
     highest_z = np.inf if run.alone else 0.8 * front_biased
     braked = np.flatnonzero(np.maximum(b.p_f, b.p_r) > BITE)
-    bitten = float(b.end[braked[0]]) + SETTLE if braked.size else np.inf
-    rise, error = eta_rise(b, (b.z > 0.1) & (b.z < highest_z) & (b.end > bitten))
+    start = float(b.end[braked[0]]) + SETTLE if braked.size else np.inf
+    rise, error = eta_rise(b, (b.z > 0.1) & (b.z < highest_z) & (b.end > start))
     rise = -rise if run.alone == "r" else rise
     yield Measured("eta_falls", rise, error, words=_axle_words(run.alone))
 
@@ -164,8 +161,8 @@ def slip(evidence: Evidence) -> Iterator[Measured]:
 def eta_rise(b: Blocks, use: Mask) -> tuple[float, float]:
     """Median of eta over ``use`` minus that of the lead-in, and its standard error, both [1].
 
-    The median is robust against short locks. NaN with fewer than four blocks of either, and where
-    the torque of engine or motor, which changes eta too, differs between them.
+    The median is robust against short locks. The result is NaN with fewer than four blocks of each,
+    and if the torque of engine or motor, which changes eta, too, differs between them.
     """
     if min(np.count_nonzero(use), np.count_nonzero(b.lead_in)) < 4:
         return np.nan, np.nan
@@ -191,7 +188,7 @@ def car_wheels(evidence: Evidence) -> Iterator[Measured]:
     likely = "a log of another vehicle"
     if abs(difference) > bounds_of("a_x_scale")[1]:
         sensor = run.accelerometer(identify(run.car, ()))
-        if math.sqrt(sensor.variance_scale) > 0.5 * abs(difference):  # hardly braked
+        if math.sqrt(sensor.variance_scale) > 0.5 * abs(difference):  # too little braking
             likely = "the scale of v, or a log of another vehicle"
         elif _CONFIRMED < -sensor.scale / difference < 1.0 / _CONFIRMED:
             likely = "the scale of v, by which a_x and v differ as much"
@@ -207,20 +204,20 @@ def a_x_by_wheels(evidence: Evidence) -> Iterator[Measured]:
     """
     run, b = evidence.run, evidence.run.blocks
     rolled = np.flatnonzero(b.lead_in)
-    if run.vehicle is None or b.v is not None or rolled.size * b.length < _ROLLED:
+    if run.vehicle is None or b.v is not None or run.clock.gaps:
         return
-    if run.clock.gaps:
+    if rolled.size * b.length < _ROLLED:
         return
-    car, (mean, sigma, *_) = run.car, CAR.compliance
-    rim = b.rim_speed(car)
+    slip, slip_sigma, *_ = CAR.compliance  # per z [1]
+    rim = b.rim_speed(run.car)
     time = b.end - b.end[rolled[-1]]
     rolling_rate, rim_at_start = np.polyfit(time[rolled], rim[rolled], 1)
     z = np.where(time > 0.0, b.z - np.mean(b.z[rolled]) - rolling_rate / G, 0.0)
     lost_by_a_x = b.speed_lost(z)
-    lost = rim_at_start - rim / (1.0 - mean * np.clip(z, 0.0, 1.0))
+    lost = rim_at_start - rim / (1.0 - slip * np.clip(z, 0.0, 1.0))
     use = np.flatnonzero((time > 0.0) & (b.end < run.first_slip) & (rim > MOVING) & (lost > MOVING))
     if use.size:
-        errors = np.hypot(rim * sigma * z, _OTHER_SLOPE * G * time)[use] / lost[use]
+        errors = np.hypot(rim * slip_sigma * z, _OTHER_SLOPE * G * time)[use] / lost[use]
         best, usual = use[np.argmin(errors)], LOG.a_x_scale
         scale = float(lost_by_a_x[best] / lost[best]) - 1.0 - usual.mean
         error = math.hypot(float(errors.min()), _RADIUS, usual.sigma)
@@ -230,8 +227,8 @@ def a_x_by_wheels(evidence: Evidence) -> Iterator[Measured]:
 def slip_of_v(evidence: Evidence) -> Iterator[Measured]:
     """Rms slip of the braked wheels by v, over that of the stiffest tyre [1].
 
-    The slip of an axle, or the mean of both, is zero if v is computed from its wheels: the least of
-    the three counts. The force on a braked axle is about its load times the deceleration, or more.
+    If v is computed from wheels, their slip by v is zero, so the least slip of front, rear and four
+    wheels counts. The force on a braked axle is about its load times the deceleration, or more.
     """
     rolling, b, shares = evidence.run.rolling_radii, evidence.run.blocks, []
     if rolling is None:
@@ -252,6 +249,6 @@ def slip_of_v(evidence: Evidence) -> Iterator[Measured]:
 
 
 def v_scale(evidence: Evidence) -> Iterator[Measured]:
-    """Scale of a_x against v by a wrong unit, clock or filter; 0 if a sensor errs likelier."""
+    """Scale of a_x against v by a wrong unit, clock or filter; 0 if a sensor errs more likely."""
     other = evidence.run.other_scale
     yield Measured("v_scale", other / (1.0 - other))

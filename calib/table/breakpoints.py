@@ -3,7 +3,7 @@
 The whole table is linear between its rows, so the largest error of the reduced table is at a
 dropped row. Dynamic programming finds the global optimum: the least maximum error, and among equal
 maxima the least sum of squares (Bellman and Roth, J. Amer. Stat. Assoc. 64, 1969). The time grows
-with the cube of the number of rows, which should be some hundred at most.
+with the cube of the number of rows: use some hundred at most.
 """
 
 from collections.abc import Iterator
@@ -29,7 +29,7 @@ class Misfit:
 def place(x: Array, curves: Array, points: int) -> Index:
     """Return the rows of ``x`` (n,) to keep for ``curves`` (k, n), which have one unit.
 
-    They are ``points`` rows, at least 2, with both ends; fewer where more would increase the error.
+    These are ``points`` rows, at least 2, with both ends, or fewer if more would not help.
     """
     n = len(x)
     if points >= n:
@@ -46,8 +46,8 @@ def place(x: Array, curves: Array, points: int) -> Index:
 def place_weighted(x: Array, curves: Array, weights: Array, points: int) -> Index:
     """Return the rows of ``x`` (n,) as in `place`, by the least weighted sum of squared errors.
 
-    ``curves`` (k, n) are slices of a map, ``weights`` (k, n) belong to its cells. With weights,
-    corners of the map that few draws reach do not take all breakpoints.
+    ``curves`` and ``weights`` (k, n) are slices of a map. Where the weights are small, in corners
+    that few stops reach, the map takes few breakpoints.
     """
     n = len(x)
     if points >= n:
@@ -60,9 +60,9 @@ def place_weighted(x: Array, curves: Array, weights: Array, points: int) -> Inde
 
 
 def misfit(x: Array, curves: Array, points: Array, values: Array) -> Misfit:
-    """Errors of ``values`` (k, m) at ``points`` (m,) against ``curves`` (k, n) over ``x`` (n,).
+    """Exact errors of ``values`` (k, m) at ``points`` (m,) against ``curves`` (k, n) over ``x``.
 
-    They are exact: values and curves are linear between points and constant beyond the ends.
+    Values and curves are linear between points, and constant beyond the ends.
     """
     places = np.union1d(x, points)
     pairs = zip(values, curves, strict=True)
@@ -99,10 +99,10 @@ def _lines(x: Array, curves: Array) -> Iterator[tuple[int, int, Array]]:
 
 
 def _least(cost: Array, points: int, join: np.ufunc) -> tuple[Array, Index]:
-    """Return the least cost of p breakpoints of which the last is row j, (points + 1, n).
+    """Return the least cost of p breakpoints of which the last is row j, and the one before j.
 
-    ``cost`` (n, n) is the cost of a line from row i to row j; ``join`` joins the costs of
-    successive lines. The second result is the breakpoint before j.
+    Both are (points + 1, n), indexed by p and j. ``cost`` (n, n) is that of a line from row i to
+    row j; ``join`` joins the costs of successive lines.
     """
     n = len(cost)
     least = np.full((points + 1, n), np.inf)

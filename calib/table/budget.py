@@ -1,9 +1,10 @@
 """The uncertainty of a pad friction, divided into parts by cause, and advice that reduces it.
 
 A part, such as `mass`, is what one cause contributes to the standard deviation of ln of the pad
-friction. A budget is all parts of an axle. Errors of the areas and radii of the brakes are not
-counted. The level of the pads is the brake force of both axles per pressure, their ratio is front
-over rear pad friction, both relative to the vehicle file.
+friction; all parts of an axle are its budget. Errors of areas and radii of the brakes do not count.
+
+The level of the pads is the brake force of both axles per pressure, their ratio is front over rear
+pad friction, both relative to the vehicle file.
 """
 
 import math
@@ -21,22 +22,16 @@ from calib.table.table import Calibration, Table
 
 Parts = dict[str, float]
 """Standard deviation of ln of a pad friction [1] by part: the sum of squares is its variance."""
-
 _Variances = Mapping[str, float]
 """Variance of ln of a pad friction, of the pads' level or of their ratio [1], by part."""
-
 PER_RUN = ("noise", "zeros")
 """Parts that differ from run to run of the same car.
 
 All other parts, such as mass and road, count as common to the cars of a line. What differs from car
 to car, such as the weight of a driver, is in the scatter between cars.
 """
-
-RAMP, STOP = "ramp", "stop"
-"""Kinds of a budget: of a fit, or of a stop."""
-
-_WEIGHED_BELOW = 0.99 * Vehicle.mass_tolerance
-"""Relative standard deviation of a mass [1] below which the mass was weighed or stated."""
+RAMP, STOP = "ramp", "stop"  # kinds of a budget: of a fit, of a stop
+_WEIGHED = 0.99 * Vehicle.mass_tolerance  # sigma of a mass below which the car was weighed [1]
 
 
 @dataclass(frozen=True)
@@ -50,7 +45,7 @@ class _Advice:
     def remaining(self, parts: Parts) -> float:
         """Standard deviation [1] of a budget with this advice; a weighed mass does not improve."""
         shares = dict(self.remaining_shares)
-        if parts.get("mass", 0.0) < _WEIGHED_BELOW:
+        if parts.get("mass", 0.0) < _WEIGHED:
             shares.pop("mass", None)
         return math.hypot(*(x * shares.get(part, 1.0) for part, x in parts.items()))
 
@@ -130,9 +125,9 @@ def advice_lines(axles: Iterable[Parts], kind: str = RAMP) -> list[str]:
         reduced = [advice.remaining(parts) for parts in widest]
         gains = []
         for axle, parts, sigma in zip(AXLE_NAMES.values(), widest, reduced, strict=False):
-            present, future = _half_width(_sigma(parts)), _half_width(sigma)
-            if present != future:
-                gains.append(f"{axle} {present} -> {future}")
+            now, then = _half_width(_sigma(parts)), _half_width(sigma)
+            if now != then:
+                gains.append(f"{axle} {now} -> {then}")
         if gains and advice.budget in ("", kind):
             lines.append((math.prod(reduced), f"{advice.do}: {', '.join(gains)}"))
     return [line for _, line in sorted(lines)]
@@ -164,8 +159,8 @@ def axle_parts(
 
     def of_axle(other_share: float) -> Parts:
         by_ratio = {part: other_share**2 * variance for part, variance in ratio.items()}
-        parts = {**level, **ratio}
-        return deviations({p: level.get(p, 0.0) + by_ratio.get(p, 0.0) for p in parts})
+        names = {**level, **ratio}
+        return deviations({p: level.get(p, 0.0) + by_ratio.get(p, 0.0) for p in names})
 
     return of_axle(1.0 - share), of_axle(share)
 
@@ -180,8 +175,8 @@ class PadLevels(NamedTuple):
 def grade_sigma(vehicle: Vehicle) -> float:
     """Standard deviation of ln of the pads' level [1] if all pads are of one grade and err alike.
 
-    It is the tolerance of the front pads in the file. Without one it is the usual standard
-    deviation of ln of the pads' ratio over sqrt(2), since a ratio has the errors of two axles.
+    It is the tolerance of the front pads in the file, else the usual standard deviation of ln of
+    the pads' ratio over sqrt(2), since a ratio has the errors of two axles.
     """
     tolerance = vehicle.front.pad_friction_tolerance
     return CAR.log_pad_ratio.sigma / math.sqrt(2.0) if tolerance is None else tolerance
@@ -196,9 +191,6 @@ def pad_levels(vehicle: Vehicle, pads: Calibration) -> PadLevels:
 
 
 def pad_scale(vehicle: Vehicle, levels: PadLevels) -> float:
-    """Common factor on the pads of the vehicle file [1], as `Calibration.pad_scale`.
-
-    The front pads have this factor times exp(ratio/2), the rear pads this factor over exp(ratio/2).
-    """
+    """Factor on the pads of the file [1], beside exp(ratio/2) in front and exp(-ratio/2) behind."""
     share, factor = front_share(vehicle, 0.0), math.exp(0.5 * levels.ratio)
     return math.exp(levels.level) / (share * factor + (1.0 - share) / factor)

@@ -41,12 +41,7 @@ class _Curve(Map):
 
 @dataclass(frozen=True)
 class _CurveGap:
-    """Difference b - a of a ``curve`` or a column of a map, where the axes overlap [1].
-
-    In each cell |b - a| is taken over the combined half width of both bands. ``in_bands`` is the
-    value that 95 % of the cells do not exceed. Cells of a pad map have the weight of their share of
-    the stops.
-    """
+    """Difference b - a of a ``curve`` or a column of a map, where the axes overlap [1]."""
 
     curve: str
     start: float  # of the overlap: on the axis eta, slip or, for a map, z
@@ -54,6 +49,8 @@ class _CurveGap:
     largest: float  # difference of the largest magnitude
     at: float  # place of `largest` on that axis
     in_bands: float
+    """Value that |b - a| over the combined half width of both bands does not exceed in 95 % of the
+    cells; cells of a pad map count by their share of the stops."""
 
 
 @dataclass(frozen=True)
@@ -154,7 +151,7 @@ def _half_widths(m: Map, column: str) -> Array:
 
 
 def _quantile(x: Array, weights: Array) -> float:
-    """Quantile `_SHARE_OF_CELLS` of ``x`` (n,) with ``weights`` (n,)."""
+    """Quantile `_SHARE_OF_CELLS` of ``x`` (n,) with ``weights`` (n,); 0 without weights."""
     order = np.argsort(x)
     cumulative = np.cumsum(weights[order])
     if cumulative[-1] <= 0.0:
@@ -217,11 +214,9 @@ def _flat(value: object, path: str = "") -> dict[str, str]:
 
 
 def inputs_digest(record: dict[str, Any]) -> str:
-    """SHA-256 of the inputs of the fit in a record: name, vehicle, logs, settings, program.
-
-    Fingerprints follow from the logs, so their numbers do not count.
-    """
+    """SHA-256 of the inputs of the fit in a record: name, vehicle, logs, settings, program."""
     provenance = record["provenance"]
+    # numbers of a fingerprint follow from the log
     logs = [{**log, "fingerprint": "fingerprint" in log} for log in provenance["logs"]]
     inputs = {name: record.get(name) for name in ("name", "vehicle")}
     inputs["provenance"] = {**provenance, "logs": logs}

@@ -1,6 +1,6 @@
 """The curves of a table with their 95 % bands: D(eta), f1(eta) and f2(eta), g(slip).
 
-Rows are medians and quantiles of the posterior, in equal steps. A block is a mean over 50 ms.
+Rows are medians and quantiles of the posterior, in equal steps of eta or slip.
 """
 
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from calib.base.arrays import Array, Mask
 
 MEASURED, INTERPOLATED, EXTRAPOLATED = 0.0, 1.0, 2.0
-"""Flags of a row: it has enough blocks; it lies between such rows; it lies beyond them."""
+"""Flags of a row: it has enough blocks of 50 ms; it lies between such rows; it lies beyond them."""
 
 
 @dataclass(frozen=True)

@@ -23,11 +23,8 @@ from calib.table.table import Table
 
 BITS = (8, 16, 32)  # widths of the signed integer types of C
 LEAST_BITS = 16
-"""Least number of bits for the axes of a map and the scalars of a table.
-
-The axis (eta - 1)/z needs small steps near 0 and a wide range, and with 8 bits mass and pads would
-be 0.8 % wrong.
-"""
+"""Least number of bits for the axes of a map and the scalars of a table: (eta - 1)/z needs small
+steps near 0 and a wide range, and with 8 bits mass and pads would be 0.8 % wrong."""
 _MAX_SHIFT = 52  # largest `Fixed.shift`: the step is then that of a double at 1
 _NOT_READ = ("share", "prior")  # columns that the estimator does not read
 _LEAST_WIDTH = 1e-3  # least width of bounds that counts in the weights of breakpoints [1]
@@ -105,8 +102,7 @@ class Precision:
     def __str__(self) -> str:
         points = "all rows" if self.points is None else f"{self.points} breakpoints"
         width = "single precision" if self.single else "double precision"
-        if self.bits:
-            width = f"{self.bits} bits"
+        width = f"{self.bits} bits" if self.bits else width
         return f"C code, {points}, {width}" if self.code else f"{points}, {width}"
 
     @property
@@ -171,10 +167,7 @@ class WrittenMap:
 
 
 def written_map(whole: Map, how: Precision, label: str) -> WrittenMap:
-    """Return a map with at most ``how.points`` values on each axis.
-
-    Raises ExchangeError as `Precision.axis`, with the ``label`` of the map.
-    """
+    """Return a map with at most ``how.points`` values on each axis; errors as `Precision.axis`."""
     axes = {}
     for i, (name, x) in enumerate(whole.axes.items()):
         values = x[_rows(whole, i, how.points)]
@@ -187,7 +180,7 @@ def written_map(whole: Map, how: Precision, label: str) -> WrittenMap:
 def _rows(whole: Map, i: int, points: int | None) -> Index:
     """Return the rows of axis ``i`` to keep, for all columns that are read.
 
-    Squared errors are weighted by (share of stops in the cell)/(width of its bounds)^2.
+    The weight of a cell is its share of the stops over the square of the width of its bounds.
     """
     x = list(whole.axes.values())[i]
     if points is None:
@@ -197,20 +190,18 @@ def _rows(whole: Map, i: int, points: int | None) -> Index:
     share = whole.grid("share") if "share" in whole.names else 1.0
     weight = share / np.maximum(width, _LEAST_WIDTH) ** 2
 
-    def slices(grid: Array) -> Array:  # rows along the axis (k, n)
+    def curves(grid: Array) -> Array:
+        """Slices of a grid along the axis (k, n)."""
         return np.moveaxis(grid, i, -1).reshape(-1, x.size)
 
     names = [name for name in whole.names if name not in _NOT_READ]
-    curves = np.concatenate([slices(whole.grid(name)) for name in names])
-    weights = np.tile(slices(weight), (len(names), 1))
-    return place_weighted(x, curves, weights, max(points, FEWEST))
+    columns = np.concatenate([curves(whole.grid(name)) for name in names])
+    weights = np.tile(curves(weight), (len(names), 1))
+    return place_weighted(x, columns, weights, max(points, FEWEST))
 
 
 def _misfit(whole: Map, reduced: Map) -> dict[str, Misfit]:
-    """Errors of a reduced map at the cells of the whole map, by axis.
-
-    Both maps are linear along each axis between these cells, so the largest error is in a cell.
-    """
+    """Errors of a reduced map, by axis, at the cells of the whole map, where the largest one is."""
     interpolated = reduced.on(list(whole.axes.values()))
     names = [name + end for name in whole.bounded_columns for end in ("_lower", "", "_upper")]
     gaps = np.array([getattr(interpolated, name) - getattr(whole, name) for name in names])
@@ -222,8 +213,8 @@ def _misfit(whole: Map, reduced: Map) -> dict[str, Misfit]:
 def as_exported(table: Table, how: Precision) -> Table:
     """Return a table with curves and maps as an ECU reads them in an export of this precision.
 
-    Bands, counts and flags of curves are not rounded, nor are mass, lengths and pads: an export has
-    these within 0.003 %, with 16 bits or more. Raises ExchangeError as `Precision` does.
+    Bands, counts and flags of curves are not rounded, nor are mass, lengths and pads, which an
+    export has within 0.003 %. Raises ExchangeError as `Precision` does.
     """
     p, d, g = table.paper, table.difference, table.tyre
     rows = how.rows("eta", p.eta, np.array([p.f1, p.f2, d.D]))
@@ -232,8 +223,8 @@ def as_exported(table: Table, how: Precision) -> Table:
     for name in MAPS:
         whole = getattr(table, name)
         written = written_map(whole, how, name)
-        axes = [axis.ecu_values for axis in written.axes.values()]
         columns = {key: column.ecu_values for key, column in written.columns.items()}
+        axes = [axis.ecu_values for axis in written.axes.values()]
         maps[name] = whole.from_grids(axes, **columns)
     return replace(
         table,

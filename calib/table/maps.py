@@ -1,7 +1,8 @@
 """The maps of a table: level and ratio of the pads over what an ECU measures, with 95 % bounds.
 
 The bounds count what the ramp left open and how a stop may differ from the ramp. A map is stored as
-flat columns, row-major over its axes, so that it is a plain table in every file format.
+flat columns, row-major over its axes, so that it is a plain table in every file format. `Draws` are
+the cars from which the maps are made.
 """
 
 from collections.abc import Sequence
@@ -74,10 +75,9 @@ class Map:
 
 
 class Reader:
-    """Interpolates columns of a map, linearly in each cell.
+    """Interpolates ``columns`` of a map, linearly in each cell: c names, or r rows of c names.
 
-    ``columns`` are c names, or r rows of c names. The result has the shape of ``columns``, (c,) or
-    (r, c), and after it that of the points.
+    The result has the shape of the names, (c,) or (r, c), and after it that of the points.
     """
 
     def __init__(self, m: Map, columns: Sequence[str] | Sequence[Sequence[str]]) -> None:
@@ -102,10 +102,12 @@ class Reader:
             high = np.minimum(low + 1, axis.size - 1)
             width = np.where(high > low, axis[high] - axis[low], 1.0)  # an axis may be one point
             share = np.clip((x - axis[low]) / width, 0.0, 1.0)
-            lower = [(row * axis.size + low, weight * (1.0 - share)) for row, weight in corners]
-            upper = [(row * axis.size + high, weight * share) for row, weight in corners]
-            # in row-major order
-            corners = [corner for pair in zip(lower, upper, strict=True) for corner in pair]
+            ends = (low, 1.0 - share), (high, share)
+            corners = [
+                (row * axis.size + place, weight * part)
+                for row, weight in corners
+                for place, part in ends
+            ]
         values = np.zeros((self._columns.shape[0], *shape))
         for row, weight in corners:
             values += self._columns.take(row, axis=1) * weight
@@ -123,7 +125,7 @@ class PadMap(Map):
 
     shift: Array  # (eta - 1)/z
     slip: Array  # ln(slip/z) less `log_slip`, over `log_slip_sigma`
-    ratio: Array  # ln of front over rear brake force, over that of the file's pads at one pressure
+    ratio: Array  # ln of front over rear brake force, less that of the file's pads at one pressure
     ratio_lower: Array
     ratio_upper: Array
     change: Array  # ln of front over rear pad friction, relative to the ramp
@@ -132,7 +134,7 @@ class PadMap(Map):
     log_slip: Array  # mean of ln(slip/z) at this z and shift
     log_slip_sigma: Array  # its standard deviation
     share: Array  # share of the stops with this z that have this shift
-    prior: Array  # width of the bounds of `ratio` over that without eta and slip, at most 1
+    prior: Array  # width of the bounds of `ratio` over that given z alone, at most 1
 
 
 @dataclass(frozen=True)
@@ -142,10 +144,10 @@ class LevelMap(Map):
     level: Array  # ln of the true brake force over the brake force by the zeroed deceleration z
     level_lower: Array
     level_upper: Array
-    ratio: Array  # `ratio` and `change` as in `PadMap`
+    ratio: Array  # as in `PadMap`
     ratio_lower: Array
     ratio_upper: Array
-    change: Array
+    change: Array  # as in `PadMap`
     change_lower: Array
     change_upper: Array
 
@@ -162,8 +164,8 @@ class Draws:
     log_pad_level: Array  # ln of the pads' level, relative to the vehicle file
     compliance_f: Array  # slip per normalised force at small slip and half the weight
     compliance_r: Array
-    load_exponent: Array  # with which the compliance grows with the load
-    peak_load_exponent: Array  # with which the peak falls with the load
+    load_exponent: Array  # of the growth of the compliance with the load
+    peak_load_exponent: Array  # of the fall of the peak with the load
     peak: Array  # largest normalised force at half the weight
     forms: Array  # weights of `calib.car.tyre_forms` (n, 5)
     radius_load: Array  # relative fall of a rolling radius per 100 % of load
@@ -198,7 +200,5 @@ def columns(part: object) -> dict[str, Array]:
 
 
 MAPS: dict[str, type[Map]] = {"map": PadMap, "level_map": LevelMap}
-"""The maps of a table by name."""
-
 UNITS = {"v_late": "s", "cg_to_front_axle": "m", "cg_height": "m", "weight": "N"}
 """Units of the columns with a unit other than 1."""

@@ -115,13 +115,13 @@ class Provenance:
         return times.pop() if len(times) == 1 else None
 
     def fitted_log_of(self, log: Log) -> LogReference | None:
-        """The log of the fit that holds the same run as ``log``, be it a changed copy, or None."""
+        """Return the log of the fit that holds the same run as ``log``, or None."""
         return next((fitted for fitted in self.logs if fitted.is_run_of(log)), None)
 
 
 @dataclass(frozen=True)
 class TableBudget:
-    """Uncertainty of pads and tyres by part, see `calib.table.budget`; all of logarithms [1]."""
+    """Uncertainty of ln of pads and tyres [1], by part as in `calib.table.budget`."""
 
     front: dict[str, float]  # standard deviations of the front pad friction
     rear: dict[str, float]  # standard deviations of the rear pad friction
@@ -216,7 +216,7 @@ class Table(Viewable):
     def content(self) -> tuple[dict[str, Any], dict[str, dict[str, Array]]]:
         """Return the record (JSON types) and the curves, maps and draws (named float columns).
 
-        Keys that older tables lack are left out where they say nothing, so that digests stay.
+        Keys that older tables lack are left out if they are empty, so that digests stay.
         """
         curves = {name: columns(getattr(self, name)) for name in COLUMNS}
         record = asdict(self)
@@ -226,8 +226,8 @@ class Table(Viewable):
             del record["vehicle"]["motor_odds"]
         definitions = self.vehicle.effects.defined_in.items()
         record["own_effects"] = {name: asdict(effect) for name, effect in definitions}
-        terms = vehicle_effects["terms"]  # one term has no list, as in older tables
-        record["empirical"] = terms[0] if len(terms) == 1 else terms
+        terms = vehicle_effects["terms"]
+        record["empirical"] = terms[0] if len(terms) == 1 else terms  # as in older tables
         record["effects"] = {
             effect: {name: asdict(value) for name, value in values.items()}
             for effect, values in self.effect_values.items()

@@ -1,7 +1,7 @@
 """Entries of a vehicle file whose errors the logs cannot show, and measurements that would.
 
 A wrong entry makes the level or the ratio of the fitted pads wrong (`calib.table.budget`). Only a
-level or ratio outside the usual scatter of pads gives a warning, so smaller errors go unseen.
+level or ratio beyond the usual scatter of pads gives a warning, so smaller errors go unseen.
 """
 
 import math
@@ -18,9 +18,9 @@ from calib.car.forces import axle_loads
 from calib.table.budget import grade_sigma
 from calib.table.table import Table
 
-_LARGEST = {"a_x": 0.08, "rolling_radius": 0.08}
-"""Largest relative error that the rule `a_x_by_wheels` does not show [1]."""
-_LARGEST_OTHER = 0.5  # largest relative error of other entries that is considered [1]
+_BY_WHEELS = {"a_x": 0.08, "rolling_radius": 0.08}
+"""Largest relative error for which the rule `a_x_by_wheels` gives no warning [1]."""
+_LARGEST = 0.5  # largest relative error of other entries that is considered [1]
 _RADIUS_SIGMA = 0.01  # relative standard deviation of a file's radii, by wear and inflation [1]
 _SHOWN_BY = {
     "mass": "weigh the car with driver and load (--mass)",
@@ -37,7 +37,7 @@ class Unseen(NamedTuple):
     """An ``entry`` of the vehicle file, or a channel, whose error may go unseen; figures in [1]."""
 
     entry: str
-    doubt: float | None  # relative standard deviation in the table's intervals; None: not counted
+    doubt: float | None  # relative sigma of the entry in the table's intervals; None: not counted
     front: float  # relative change of the front pad friction per relative error of the entry
     rear: float  # relative change of the rear pad friction per relative error of the entry
     up_to: float  # largest relative error without a warning
@@ -55,8 +55,8 @@ def unseen_entries(table: Table, v: bool, mass: float | None = None) -> list[Uns
     up_to = {entry.entry: entry.up_to for entry in entries}
     # wrong pads of the file give a warning at the same error as a wrong piston area
     weight, sigma = _nominal_weight(table), grade_sigma(table.vehicle)
-    for axle, change in (("front", weight), ("rear", -weight)):
-        pads = _unseen(table, f"{axle}.pad_friction", sigma, 0.0, change)
+    for axle, ratio in (("front", weight), ("rear", -weight)):
+        pads = _unseen(table, f"{axle}.pad_friction", sigma, 0.0, ratio)
         entries.append(pads._replace(up_to=up_to[f"{axle}.piston_area"]))
 
     def order(entry: Unseen) -> tuple[float, float]:
@@ -78,8 +78,8 @@ def _entries(
 ) -> Iterator[tuple[str, float | None, float, float]]:
     """Yield name, doubt, change of ln of the pads' level and change of ln of their ratio.
 
-    The changes are per relative error of the entry. A wrong entry changes only that part of the
-    ratio that comes from eta; the other part comes from the vehicle file.
+    The changes are per relative error of the entry. Of the ratio only the part that comes from eta
+    changes; the other part comes from the pads of the vehicle file.
     """
     share, by_eta = _share(table), 1.0 - _nominal_weight(table)
     yield "mass", mass, 1.0, 0.0
@@ -109,8 +109,7 @@ def _by_loads(table: Table) -> tuple[float, float]:
     """Change of ln of the pads' ratio per relative change of cg_height and cg_to_front_axle [1].
 
     With equal tyres, eta fixes share/F_zf - (1 - share)/F_zr, by (22), where the share is that of
-    the front axle in the brake force. So a wrong load makes the share wrong.
-    Computed at half of the largest z of the ramp.
+    the front axle in the brake force. A wrong load makes the share wrong. z is half of the ramp's.
     """
     car, share = table.vehicle, _share(table)
     z = 0.5 * table.quality.get("deceleration_max", 0.4)
@@ -131,6 +130,6 @@ def _unseen(table: Table, entry: str, doubt: float | None, level: float, ratio: 
     level_limit = sigmas * math.hypot(grade_sigma(table.vehicle), scale_sigma)
     ratio_limit = max(bounds_of("pad_ratio")[1], Z95 * pads.pad_log_ratio.sigma)
     up_to = min(level_limit / max(abs(level), 1e-6), ratio_limit / max(abs(ratio), 1e-6))
-    up_to = min(up_to, _LARGEST.get(entry, _LARGEST_OTHER))
+    up_to = min(up_to, _BY_WHEELS.get(entry, _LARGEST))
     front, rear = level + (1.0 - share) * ratio, level - share * ratio
     return Unseen(entry, doubt, front, rear, up_to, _SHOWN_BY.get(entry, _BRAKES_SHOWN_BY))

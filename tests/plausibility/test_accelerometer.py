@@ -18,10 +18,8 @@ from tests.support.refusals import broken
 def sensor(**values):
     """An accelerometer that is right, but for ``values``; sigma 0.1 % and 0.0005 g."""
     names = ("scale", "bias", "covariance", "drag", "walk_probability", "disagreement")
-    fields = dict.fromkeys(names, 0.0)
-    known = {"variance_scale": 1e-6, "variance_bias": 2.5e-7}
-    fields |= {**known, **values}
-    return Accelerometer(**fields)
+    right = dict.fromkeys(names, 0.0) | {"variance_scale": 1e-6, "variance_bias": 2.5e-7}
+    return Accelerometer(**right | values)
 
 
 def warned(sensor, other_scale=0.0, noise=0.002):

@@ -73,7 +73,7 @@ def test_a_fit_warns_of_what_check_warns_of(fitted):
 
 def test_every_rule_has_a_figure_and_every_refusal_says_what_to_do():
     outside = {"changes", "exchanged", "mistakes", "pads", "priors", "resistance", "vehicle"}
-    named = (*rules._OF_LOG, *rules._OF_MOTION, *rules._OF_SIGNALS)
+    named = (*rules._LOG_FIGURES, *rules._MOTION_FIGURES, *rules._SIGNAL_FIGURES)
     figures = {figure.__name__ for figure in named}
     assert {rule.figure for rule in RULES} == figures | outside
     for rule in RULES:

@@ -15,16 +15,10 @@ from calib.run.run import Run
 from tests.support.reference_car import REAL, noisy, stop
 from tests.support.refusals import broken
 
-ODDS = 0.1
 
-
-def codes_of(seen, odds=ODDS):
-    return [one.code for one in warned(seen, odds)]
-
-
-def warned(seen, odds=ODDS):
-    run = SimpleNamespace(vehicle=SimpleNamespace(motor_odds=odds))
-    return broken([brakes], Evidence(run, response=seen))
+def evidence(response, odds=0.1):
+    """Of a car whose pedal commands a motor with these prior odds."""
+    return Evidence(SimpleNamespace(vehicle=SimpleNamespace(motor_odds=odds)), response=response)
 
 
 def response(delay=0.0, share=0.0, sigma=0.01, **others):
@@ -48,14 +42,12 @@ def response(delay=0.0, share=0.0, sigma=0.01, **others):
     ],
 )
 def test_only_what_is_large_and_sure_is_named(seen, codes):
-    assert codes_of(seen) == codes
+    assert [warning.code for warning in broken([brakes], evidence(seen))] == codes
 
 
 def named_at_all(seen, odds):
     """Whether a motor is likely, however small its force."""
-    run = SimpleNamespace(vehicle=SimpleNamespace(motor_odds=odds))
-    found = brakes(Evidence(run, response=seen))
-    return "unexplained_braking_force" in [one.code for one in found]
+    return "unexplained_braking_force" in [x.code for x in brakes(evidence(seen, odds))]
 
 
 def chance_by_counting(share, sigma, fading, fading_sigma, odds):
@@ -81,11 +73,10 @@ def test_a_motor_is_named_by_its_chance_as_by_counting_all_shares(odds, sigma, f
     """From 0.4 on: of the shares at once, those that are below it are not named."""
     tried = np.linspace(-0.02, 0.15, 18)
     chance = [chance_by_counting(share, sigma[0], fading, sigma[1], odds) for share in tried]
-    seen = [
-        response(share=share, sigma=sigma[0], fading=fading, fading_sigma=sigma[1])
-        for share in tried
+    named = [
+        named_at_all(response(share=x, sigma=sigma[0], fading=fading, fading_sigma=sigma[1]), odds)
+        for x in tried
     ]
-    named = [named_at_all(x, odds) for x in seen]
     clear = [abs(x - 0.4) > 0.01 for x in chance]
     assert np.array_equal(np.array(named)[clear], np.array(chance)[clear] > 0.4)
 

@@ -84,11 +84,8 @@ def test_a_clutch_that_engages_in_the_lead_in_moves_no_zero_of_eta(sign):
     t = run.time
     engaged = (t > 0.8) & (t < 1.0)
     slip = np.where(engaged, 1.0 + sign * 3e-3, 1.0)
-    s = signals(
-        changed(run, **{w: run[w] * slip for w in ("omega_fl", "omega_fr")}),
-        VEHICLE.rear.rolling_radius,
-    )
-    before = signals(run, VEHICLE.rear.rolling_radius)
+    slipping = changed(run, **{w: run[w] * slip for w in ("omega_fl", "omega_fr")})
+    s, before = (signals(log, VEHICLE.rear.rolling_radius) for log in (slipping, run))
     assert np.mean(before.lead_in[(t > 0.3) & (t < 1.7)]) > 0.98  # noise alone takes nothing
     assert not np.any(s.lead_in[engaged])
     assert s.lead_in.sum() > 0.7 * before.lead_in.sum()

@@ -39,23 +39,25 @@ def test_a_noise_that_seldom_reaches_the_next_step_is_no_brake():
     assert np.max(as_pressed(p, 0.02)) == 0.0
 
 
-def stop(rise: float, top: float = 20e5) -> tuple[np.ndarray, np.ndarray]:
-    """Clock [s] and pressure [Pa] that rises to ``top`` within ``rise`` [s] and stays."""
-    t = np.arange(0.0, 5.0, 0.01)
-    return t, top * np.clip((t - 1.0) / rise, 0.0, 1.0)
+T = np.arange(0.0, 5.0, 0.01)
+
+
+def stop(rise):
+    """Pressure [Pa] that rises to 20 bar within ``rise`` [s] and stays."""
+    return 20e5 * np.clip((T - 1.0) / rise, 0.0, 1.0)
 
 
 @pytest.mark.parametrize("rise", [0.1, 0.15, 0.4])
 @pytest.mark.parametrize("seed", range(2))
 def test_a_corner_leaves_no_peak_that_a_caliper_would_hold(rise, seed):
     """A play keeps the highest pressure. Of noise of 0.1 bar 4 sigma of a mean of ten are left."""
-    _, p = stop(rise)
+    p = stop(rise)
     noisy = p + np.random.default_rng(seed).normal(0.0, 1e4, p.size)
     assert np.max(as_pressed(noisy, 0.01)) < p[-1] + 4.0 * 1e4 / np.sqrt(10.0)
 
 
 def test_a_foot_that_presses_too_far_stays():
-    t, p = stop(0.2)
-    over = np.where((t > 1.2) & (t < 1.5), 1e5 * np.sin(np.pi * (t - 1.2) / 0.3), 0.0)
-    smooth = as_pressed(p + over + np.random.default_rng(7).normal(0.0, 0.5e4, t.size), 0.01)
+    p = stop(0.2)
+    over = np.where((T > 1.2) & (T < 1.5), 1e5 * np.sin(np.pi * (T - 1.2) / 0.3), 0.0)
+    smooth = as_pressed(p + over + np.random.default_rng(7).normal(0.0, 0.5e4, T.size), 0.01)
     assert np.max(smooth) > p[-1] + 0.7e5

@@ -99,22 +99,15 @@ def test_a_long_quiet_coast_is_still_off_by_what_is_not_modelled(coast, runs):
     assert np.min(estimate.sigma_z(CAR, speeds)) == pytest.approx(3e-4 / runs**0.5, rel=0.02)
 
 
-def test_the_load_share_of_a_known_drag_is_kept_as_it_is_given(coast):
-    given = {"drag_area": 0.66, "load_share": 0.2}
-    car = replace(VEHICLE, effects=Effects({"aerodynamic_drag": given}))
-    estimate = identify(car, [measured(coast)]).effects
-    assert estimate.parameters["aerodynamic_drag"]["load_share"] == 0.2
-    assert estimate.sigma["aerodynamic_drag"]["load_share"] == 0.0
-
-
 def test_known_effects_are_kept(coast):
-    drag, rolling = {"drag_area": 0.66}, {"coefficient": 0.011}
+    drag, rolling = {"drag_area": 0.66, "load_share": 0.2}, {"coefficient": 0.011}
     effects = Effects({"aerodynamic_drag": drag, "rolling_resistance": rolling})
     car = replace(CAR, effects=effects)
     estimate = identify(car, [measured(coast)])
     assert estimate.specified
     assert estimate.mean == (0.66, 0.011)  # though the coast says 0.80 and 0.015
     assert estimate.effects.parameters == car.effects.parameters
+    assert estimate.effects.sigma["aerodynamic_drag"]["load_share"] == 0.0
 
 
 def test_one_known_effect_gives_the_other_from_a_lead_in(ramp):

@@ -1,4 +1,4 @@
-"""Budgets add up, and advice follows from their parts."""
+"""Budgets add up, advice follows from their parts; level and ratio of pads against (2)."""
 
 import math
 
@@ -7,7 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.base.plain import rows
-from calib.table.budget import RAMP, STOP, advice_lines, axle_parts
+from calib.table.budget import RAMP, STOP, advice_lines, axle_parts, pad_levels, pad_scale
+from tests.support.cars_of_a_line import car_table
 from tests.support.tables import VEHICLE
 
 PARTS = [x for x in rows("budget.csv", "calib.table")[0] if x not in ("do", "budget")]
@@ -40,3 +41,21 @@ def test_a_mass_that_was_stated_needs_no_scale():
     for mass, advised in ((0.005, False), (0.02, False), (0.03, True), (0.0329, True)):
         lines = advice_lines([{"mass": mass, **other_parts}] * 2)
         assert any("--mass" in line for line in lines) == advised
+
+
+def force(mu_f, mu_r):
+    """Brake force of both axles over pressure, (2) with two wheels of two faces each."""
+    axles = (VEHICLE.front, mu_f), (VEHICLE.rear, mu_r)
+    per_face = (a.piston_area * a.effective_radius * mu / a.rolling_radius for a, mu in axles)
+    return 2 * 2 * sum(per_face)
+
+
+@given(st.floats(-0.3, 0.3), st.floats(-0.3, 0.3))
+def test_the_level_is_the_brake_force_of_both_axles_and_the_way_back_is_exact(level, ratio):
+    pads = car_table(1, level=level, ratio=ratio).calibration
+    levels = pad_levels(VEHICLE, pads)
+    nominal = force(VEHICLE.front.pad_friction, VEHICLE.rear.pad_friction)
+    calibrated = force(pads.pad_friction_f.value, pads.pad_friction_r.value)
+    assert levels.level == pytest.approx(math.log(calibrated / nominal), abs=1e-12)
+    assert levels.ratio == pytest.approx(ratio, abs=1e-12)
+    assert math.log(pad_scale(VEHICLE, levels)) == pytest.approx(level, abs=1e-12)

@@ -29,6 +29,9 @@ def test_the_closed_form_is_sound(table):
         ("difference", "lower", 7, 1.0, "difference.D: outside its own"),
         ("paper", "f2_upper", 7, -1.0, "paper.f2: outside its own"),
         ("paper", "z", 9, 0.9, r"paper: \(18\) is off by .* in row 9"),
+        ("map", "shift", 3, 0.003, "map: its rows are not every combination of z, shift, slip"),
+        ("map", "ratio_lower", 7, 3.0, "map.ratio: outside its own"),
+        ("map", "change", 7, 3.0, "map.change: outside its own"),
     ],
 )
 def test_a_wrong_cell_is_named(table, part, column, row, value, says):
