@@ -21,7 +21,6 @@ START_TEMP = 100.0
 UN R13-H, annex 3 (65 to 100 degC)."""
 
 COLD = (START_TEMP, START_TEMP)  # front and rear
-
 _AIR = 20.0  # temperature of the air [degC]
 
 
@@ -41,7 +40,7 @@ class RunHistory:
     energy_r: Array
     source: str = ""  # name of the log or the simulation, for messages
     start_heat: tuple[float, float] = COLD  # of the discs at the first sample, if not logged [degC]
-    averaged: int = 1  # number m of raw samples whose mean each sample here is
+    averaged: int = 1  # each sample is the mean of this number m of raw samples
 
     def ripple(self, phase: float) -> Array:
         """sin(front wheel angle + ``phase``) [1] (n,), averaged as the samples are.

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from calib.base.arrays import Array
 
-_LEAST_DIFFERENCE = 1e-3
-"""Least difference of the two time constants of a `low_pass`, over their sum [1], as a divisor."""
+_LEAST_DIFFERENCE = 1e-3  # of two time constants over their sum [1], since it is a divisor
 
 
 def integral(time: Array, x: Array) -> Array:

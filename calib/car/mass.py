@@ -44,15 +44,13 @@ def with_mass(vehicle: Vehicle, mass: float | None) -> Vehicle:
     """
     if mass is None:
         return vehicle
-    share = mass / vehicle.mass
-    if not _SHARES[0] <= share <= _SHARES[1]:
-        raise VehicleError(
-            f"a stated mass of {mass:.5g} kg is {share:.2f} times the {vehicle.mass:.5g} kg of the "
-            "vehicle file",
-            where=vehicle.name,
-            expected=f"{_SHARES[0]:g} to {_SHARES[1]:g} times",
-            do="check number and unit of the mass; a car with such a load has its own vehicle file",
-        )
+    share, (least, most) = mass / vehicle.mass, _SHARES
+    if not least <= share <= most:
+        of_file = f"the {vehicle.mass:.5g} kg of the vehicle file"
+        flaw = f"a stated mass of {mass:.5g} kg is {share:.2f} times {of_file}"
+        do = "check number and unit of the mass; a car with such a load has its own vehicle file"
+        expected = f"{least:g} to {most:g} times"
+        raise VehicleError(flaw, where=vehicle.name, expected=expected, do=do)
     tolerance, effects = min(vehicle.mass_tolerance, WEIGHED), vehicle.effects.without("mass_error")
     return replace(vehicle, mass=mass, mass_tolerance=tolerance, effects=effects)
 

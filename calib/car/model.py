@@ -12,8 +12,7 @@ from calib.car.effects.effects import Effects
 from calib.car.tyre import MagicFormula
 from calib.car.vehicle import Vehicle
 
-WET_ASPHALT = MagicFormula(stiffness=25.0, peak=0.9)
-"""The tyre where none is known: that of a passenger car on wet asphalt."""
+WET_ASPHALT = MagicFormula(stiffness=25.0, peak=0.9)  # of a passenger car; where none is known
 
 
 @dataclass(frozen=True)

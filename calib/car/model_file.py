@@ -137,10 +137,7 @@ def read_model(path: Path, vehicle: Vehicle) -> Model:
 def _user_defined(
     document: Mapping[str, Any], effects: Effects, path: Path
 ) -> dict[str, DefinedIn]:
-    """Return the effects of the user by name: those of the file ``path``, and those given.
-
-    Raises ModelError if the Python file of an effect was not given, or has changed.
-    """
+    """Return the effects of the user by name. Raises ModelError for a file not given or changed."""
     sections = record.validated(document, _OwnEffects, path, ModelError).own_effects
     defined = {name: DefinedIn(entry.file, entry.sha256) for name, entry in sections.items()}
     files = {name: x for name, x in effects.user_defined.items() if isinstance(x, OwnEffect)}

@@ -95,9 +95,6 @@ class MagicFormula:
         stiffness, peak = self.stiffness * stiffness_factor, self.peak * peak_factor
         return replace(self, stiffness=stiffness, peak=peak)
 
-    def _b(self, peak: Array | float) -> Array | float:
-        return self.stiffness / (self.shape * peak)
-
     def _slope(self, bx: Array, cosine: Array, load_factor: Array | float) -> Array:
         """dF/dlambda at B x, where C atan(B x) has this cosine."""
         without_bend = self.stiffness / load_factor * cosine / (1.0 + bx * bx)
@@ -105,12 +102,12 @@ class MagicFormula:
 
     def _bx_at(self, slip: Array, peak: Array | float) -> Array:
         """B x at the ``slip`` over s, from (1 + b B x) B x = B slip in a form that allows b = 0."""
-        b_slip = self._b(peak) * slip
+        b_slip = self.stiffness / (self.shape * peak) * slip  # B slip
         return b_slip * 2.0 / (1.0 + np.sqrt(1.0 + 4.0 * self.bend * np.abs(b_slip)))
 
     def _slip_of(self, bx: Array | float, peak: Array | float, load_factor: Array | float) -> Array:
-        x = bx * (1.0 + self.bend * np.abs(bx)) / self._b(peak)
-        return np.asarray(x * load_factor)
+        B = self.stiffness / (self.shape * peak)
+        return np.asarray(bx * (1.0 + self.bend * np.abs(bx)) / B * load_factor)
 
     def _load_factor(self, relative_load: Array | float) -> Array | float:
         return relative_load**self.load_exponent if self.load_exponent else 1.0

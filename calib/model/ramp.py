@@ -55,7 +55,8 @@ class _FitSettings:
     disturbance_share: float = 0.3
     """If a larger share of the braked blocks is disturbed, the cause is the car: all take part."""
     flat: float = 0.1
-    """Where the slope of eta(z) is below this share of its first slope, z is not read from it."""
+    """z is not read from the curve eta(z) where its slope is below this share of the first slope:
+    there an error of eta counts ten times."""
     rows: int = 61
     """Rows of a look-up: linear interpolation between them errs by less than 1e-4 in D."""
     min_count: int = 3
@@ -64,7 +65,7 @@ class _FitSettings:
 
 SETTINGS = _FitSettings()
 
-_ZEROED = 3.0  # time before the bite over which eta and slip are zeroed [s]
+_ZERO_TIME = 3.0  # time before the bite over which eta and slip are zeroed [s]
 
 
 @dataclass(frozen=True)
@@ -103,7 +104,7 @@ class RampRun:
     def rolling(self) -> Index:
         """Indices of the last usable blocks of the lead-in: eta and slip are zeroed there."""
         lead = np.flatnonzero(self.blocks.lead_in & self.use)
-        return lead[-round(_ZEROED / self.blocks.length) :]
+        return lead[-round(_ZERO_TIME / self.blocks.length) :]
 
     @cached_property
     def brake_rise(self) -> Array:
@@ -127,9 +128,11 @@ def sort_runs(runs: Sequence[Run]) -> tuple[list[Run], list[Run], list[Run]]:
     ordered = sorted(runs, key=lambda run: run.log.digest)
     coasts = [run for run in ordered if not run.events]
     braked = [run for run in ordered if run.events]
-    reasons = {run: unusable(run, FIT if run.events else COAST, (REFUSE,)) for run in ordered}
+    purposes = {run: FIT if run.events else COAST for run in ordered}
+    reasons = {run: unusable(run, purposes[run], (REFUSE,)) for run in ordered}
     fast = [run for run in braked if any(reason.code == "ramp_rise" for reason in reasons[run])]
     stops = fast if len(fast) < len(braked) else []
+    purposes |= dict.fromkeys(stops, VALIDATE)
     reasons |= {run: unusable(run, VALIDATE) for run in stops}
     ramps = [run for run in braked if run not in stops]
     all_reasons = [reason for run in ordered for reason in reasons[run]]
@@ -137,8 +140,7 @@ def sort_runs(runs: Sequence[Run]) -> tuple[list[Run], list[Run], list[Run]]:
         # a mistake that all logs share is reported once, for the log that shows its cause
         cause = unexplained(all_reasons)[0]
         run = next(run for run in ordered if any(reason is cause for reason in reasons[run]))
-        purpose = COAST if run in coasts else VALIDATE if run in stops else FIT
-        require_none(reasons[run], run, purpose)
+        require_none(reasons[run], run, purposes[run])
     if not ramps:
         where = ", ".join(run.log.source for run in runs)
         expected = "at least one ramp: 1 s unbraked, then pressure rising over 3 to 8 s"
@@ -164,11 +166,11 @@ def prepare(run: Run, effects: Effects, accelerometer: Accelerometer | None = No
     """
     vehicle, b, noise = run.car, run.felt(accelerometer), run.noise
     forces = block_balance(vehicle, effects, b)
-    on_road = np.minimum(forces.load_f, forces.load_r) > 0.0
+    is_on_road = np.minimum(forces.load_f, forces.load_r) > 0.0
     # the last blocks of a stop hold the jerk at standstill
-    use = (b.speed > SETTINGS.min_speed) & (b.end < b.end[-1] - 0.1) & on_road
+    use = (b.speed > SETTINGS.min_speed) & (b.end < b.end[-1] - 0.1) & is_on_road
     use &= b.lead_in | (np.maximum(b.p_f, b.p_r) > BITE)
-    load_f = np.where(on_road, forces.load_f, np.nan)
+    load_f = np.where(is_on_road, forces.load_f, np.nan)
     ramp = RampRun(
         name=run.log.name,
         blocks=b,

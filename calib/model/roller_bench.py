@@ -33,19 +33,13 @@ Anwendung, Beschaffenheit und Pruefung von Bremspruefstaenden, Verkehrsblatt 200
 testers from before): a limit is taken as two standard deviations."""
 
 _SPEED = 1.4  # speed of the rollers [m/s]: 5 km/h
-
-_ROW_TIME = 60.0
-"""Time between two rows [s], after which brakes with a lag have followed the pressure."""
+_ROW_TIME = 60.0  # between two rows [s]: brakes with a lag have then followed the pressure
+_LARGEST_SIGMA = 0.1  # largest relative sigma of a slope [1]: the grade of the pads says as much
+_LEAST_SPREAD = 1e-6  # norm of the deviations of nominal forces [N], below which they do not rise
 
 _COMMON_SHARE = 0.5
 """Share of the machine's variance that both axles have in common: its scale [1]. The rest differs
 between the axles: nonlinearity of the machine, position of the wheels. No rule gives the shares."""
-
-_LARGEST_SIGMA = 0.1
-"""Largest relative standard deviation of a slope [1]: the grade of the pads says as much."""
-
-_LEAST_SPREAD = 1e-6
-"""Root of the sum of squared deviations of nominal forces [N], below which they do not rise."""
 
 _FRICTION = next(key for key in KEYS if key.path == "front.pad_friction")
 
@@ -113,10 +107,8 @@ class RollerBench:
         least, most, friction = _FRICTION.least, _FRICTION.most, slope * brake.pad_friction
         if not least <= friction <= most:
             flaw = f"the brake force of the {name} axle asks for a pad friction of {friction:.3g}"
-            do = (
-                "check the units, whether the force is that of both wheels, and piston_area, "
-                "effective_radius and friction_faces of the vehicle file"
-            )
+            keys = "piston_area, effective_radius and friction_faces of the vehicle file"
+            do = f"check the units, whether the force is that of both wheels, and {keys}"
             raise BenchError(flaw, where=self.source, expected=f"{least:g} to {most:g}", do=do)
         return line
 

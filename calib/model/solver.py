@@ -36,9 +36,7 @@ from calib.car.history import Motion, RunHistory
 from calib.car.lag import integral
 from calib.car.tyre import MagicFormula
 
-TOLERANCE = 1e-9
-"""Largest change of v (relative to the first speed) and of slip in the last iteration."""
-
+TOLERANCE = 1e-9  # largest change of the slip, and of v over v0, in the last iteration [1]
 _ITERATIONS = 60  # each gains one to two digits; 30 s of coasting need about twelve
 _LEAST_LOAD = 0.01  # share of the weight below which an axle counts as lifted [1]
 _EDGE = 0.999
@@ -79,11 +77,8 @@ class Drive:
         return self.inputs.time
 
     def total(self, force: Mapping[str, Array]) -> Array:
-        """Sum of the tyre ``force`` of all four wheels [N] (n,), given by wheel.
-
-        A left wheel without a right wheel counts twice. Each axle is summed first, so that two
-        equal wheels give the same sum to the last bit.
-        """
+        """Sum of ``force`` over four wheels [N] (n,); a left wheel also stands for a missing right."""
+        # each axle is summed first, so that two equal wheels give the same sum to the last bit
         axles = [force[f"{a}l"] + force.get(f"{a}r", force[f"{a}l"]) for a in AXLES]
         return axles[0] + axles[1]
 
@@ -154,18 +149,20 @@ def history_of(run: Drive, state: SolverState) -> RunHistory:
 
 
 def end_of(run: Drive, state: SolverState) -> tuple[int, str]:
-    """Number of valid samples, and the reason for the end."""
+    """Number of valid samples, and why the run ends there."""
     weight = run.brakes.model.vehicle.weight
-    limits = {
+    is_beyond = {  # (n,) by limit
         f"slower than {run.stop_speed:g} m/s": state.v < run.stop_speed,
         "the front axle would lift": state.loads[0] < _LEAST_LOAD * weight,
         "the rear axle would lift": state.loads[1] < _LEAST_LOAD * weight,
-    } | {f"wheel {w} would pass the peak of its tyre": used > 1.0 for w, used in state.used.items()}
-    first = {why: int(np.argmax(beyond)) for why, beyond in limits.items() if np.any(beyond)}
+    }
+    for w, used in state.used.items():
+        is_beyond[f"wheel {w} would pass the peak of its tyre"] = used > 1.0
+    first = {limit: int(np.argmax(mask)) for limit, mask in is_beyond.items() if np.any(mask)}
     if not first:
         return run.time.size, f"ends with its pressure at {run.time[-1]:.3f} s"
     end = min(first.values())
-    reasons = ", ".join(why for why, index in first.items() if index == end)
+    reasons = ", ".join(limit for limit, index in first.items() if index == end)
     pressure = max(p[end] for p in run.brakes.clamp.values()) / BAR
     return end, f"ends before {run.time[end]:.3f} s at {pressure:.1f} bar: {reasons}"
 
@@ -215,9 +212,9 @@ def _next_slip(run: Drive, w: str, moment: Array, load: Array, old: SolverState)
     spin = np.concatenate([[first], np.diff(omega) / step])  # d omega/dt [rad/s^2]
     grip, slope, _ = rising_branch(model.tyre, slip, 4.0 * load / model.vehicle.weight)
     residual = forces.tyre_force(axle, moment, spin) - load * grip  # (1)
-    # d(J_w/R d omega/dt)/d lambda: omega = v (1 - lambda)/R enters its own sample and the next.
+    # -d residual/d lambda: omega = v (1 - lambda)/R enters its own sample and the next one
     inertia = axle.wheel_mass * v
-    bands = np.zeros((2, slip.size))
+    bands = np.zeros((2, slip.size))  # the diagonal, and the band below it
     bands[0] = load * slope
     bands[0, 1:] += inertia[1:] / step
     bands[1, :-1] = -inertia[:-1] / step

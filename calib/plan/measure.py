@@ -35,7 +35,7 @@ class Measure:
     """A row of `measures.csv`; an empty number is NaN."""
 
     name: str
-    kind: str
+    kind: str  # "ramp", "coast", "weighing" or "rollers"
     axle: str  # "f" or "r" if the front or rear axle brakes alone, else ""
     end: float  # of a ramp, the deceleration over g [1]; of an axle alone, its force over load [1]
     rise: float  # time of the rise of a ramp, or of a coast [s]

@@ -17,7 +17,6 @@ from calib.car.effects.effect import Pair, Parameters, effect, sides
 from calib.car.history import HEAT_CAPACITY, RunHistory, disc_temperature
 
 _REFERENCE_PRESSURE = 20e5  # p_0 [Pa], at which the factor is 1: usual braking
-
 _REFERENCE_SPEED = 20.0
 """Speed [m/s] at which the factor is 1: the middle of a stop, where slope and level are least
 correlated."""
