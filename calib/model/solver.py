@@ -77,7 +77,7 @@ class Drive:
         return self.inputs.time
 
     def total(self, force: Mapping[str, Array]) -> Array:
-        """Sum of ``force`` over four wheels [N] (n,); a left wheel also stands for a missing right."""
+        """Sum of the ``force`` of four wheels [N] (n,); a left one alone stands for both sides."""
         # each axle is summed first, so that two equal wheels give the same sum to the last bit
         axles = [force[f"{a}l"] + force.get(f"{a}r", force[f"{a}l"]) for a in AXLES]
         return axles[0] + axles[1]

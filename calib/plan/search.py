@@ -6,7 +6,7 @@ A width below the wanted one counts as the wanted one. The first measure is the 
 greatest mean gain over several cars, each with its own noise. Each next measure has the greatest
 gain per second for the mean car. A measure that gained next to nothing is not tried again, since
 gains diminish with every measure. The widths of a plan are medians over several cars. Its floors
-are widths of the mean car, after the plan and all other measures but ramps that can be done here.
+are the widths of the mean car after the plan and all other possible measures but further ramps.
 """
 
 import math

@@ -154,14 +154,10 @@ def test_a_car_is_another_by_its_geometry_alone(name):
         require_same_car(CAR, changed(name), weighed=True)
 
 
-def read(text: str, folder: Path) -> Vehicle:
-    file = folder / "vehicle.toml"
-    file.write_text(text)
-    return read_vehicle(file)
-
-
-def test_the_examples_are_the_reference_car(tmp_path):
-    assert read(vehicle_text(), tmp_path) == read_vehicle(SEDAN)
+def test_the_example_is_the_reference_car(tmp_path):
+    path = tmp_path / "vehicle.toml"
+    path.write_text(vehicle_text())
+    assert read_vehicle(path) == read_vehicle(SEDAN)
 
 
 def test_the_facts_of_the_reference_car():

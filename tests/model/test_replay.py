@@ -9,12 +9,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.base.errors import LogError, ModelError
-from calib.base.names import WHEELS
+from calib.base.names import WHEEL_SPEEDS, WHEELS
 from calib.car.effects.effects import Effects
 from calib.car.model import default_model
 from calib.car.tyre import MagicFormula
 from calib.car.vehicle_file import read_vehicle
-from calib.logs.log import Log
 from calib.logs.read import read_log
 from calib.model.manoeuvre import manoeuvre
 from calib.model.sensor_noise import add_noise
@@ -30,9 +29,6 @@ MODEL = replace(
         {"aerodynamic_drag": {"drag_area": 0.66}, "rolling_resistance": {"coefficient": 0.011}}
     ),
 )
-
-
-WHEEL_SPEEDS = tuple(f"omega_{w}" for w in WHEELS)
 
 
 @pytest.fixture(scope="module")
@@ -105,7 +101,7 @@ def test_first_speed_is_that_of_v(driven):
 
 
 def test_a_log_without_speed_is_refused(driven):
-    bare = without(driven, "v", *(f"omega_{w}" for w in WHEELS))
+    bare = without(driven, "v", *WHEEL_SPEEDS)
     with pytest.raises(LogError, match="no speed"):
         first_speed(bare, SEDAN)
     late = np.where(driven.time < 1.0, np.nan, driven["v"])
@@ -115,7 +111,7 @@ def test_a_log_without_speed_is_refused(driven):
 
 def test_a_measured_ramp_is_met_by_the_known_model():
     """Typical drag and rolling resistance explain the unbraked seconds, nominal pads the ramp."""
-    log: Log = read_log(SAMPLES / "ramp_wet_asphalt.csv")
+    log = read_log(SAMPLES / "ramp_wet_asphalt.csv")
     again = replay(MODEL, log)
     n = again.time.size
     coasting = log["p_mc"][:n] < 0.5e5

@@ -1,7 +1,6 @@
 """The simulation against closed forms, balances, and a plant that shares nothing with it."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,12 +13,10 @@ from calib.car import forces
 from calib.car.effects.effects import Effects
 from calib.car.model import Model, default_model
 from calib.car.tyre import MagicFormula
-from calib.car.vehicle_file import read_vehicle
 from calib.model.simulate import simulate
-from tests.support import effect_runs
+from tests.support.effect_runs import SEDAN, apart, clock, on_the_plant, without_inertia
 from tests.support.plant import Plant, drive, magic
 
-SEDAN = read_vehicle(Path(__file__).parents[2] / "sample_logs/sedan/vehicle.toml")
 DRAG = {"aerodynamic_drag": {"drag_area": 0.66}}
 ROLLING = {"rolling_resistance": {"coefficient": 0.011}}
 BOTH = DRAG | ROLLING
@@ -28,10 +25,6 @@ TYRE = MagicFormula(25.0, 0.9, 1.65, 0.1)
 
 def model(effects=BOTH, vehicle=SEDAN, tyre=TYRE, **changes) -> Model:
     return replace(default_model(vehicle), effects=Effects(effects), tyre=tyre, **changes)
-
-
-def clock(duration, rate=200):
-    return np.arange(round(duration * rate) + 1) / rate
 
 
 def ramp(t):
@@ -46,12 +39,6 @@ def rotating_mass(vehicle):
     return sum(2.0 * a.wheel_inertia / a.rolling_radius**2 for a in (vehicle.front, vehicle.rear))
 
 
-def apart(log, run, channel):
-    n = min(log.time.size, run["time"].size)
-    mine = log.channels[channel] if channel in log.channels else log.truth[channel]
-    return np.max(np.abs(mine[:n] - run[channel][:n]))
-
-
 # Closed forms ------------------------------------------------------------------------------------
 
 
@@ -64,11 +51,7 @@ def test_coasting_against_drag_alone():
 
 
 def test_without_wheel_inertia_the_torque_is_the_force():
-    bare = replace(
-        SEDAN,
-        front=replace(SEDAN.front, wheel_inertia=0.0),
-        rear=replace(SEDAN.rear, wheel_inertia=0.0),
-    )
+    bare = without_inertia(SEDAN)
     time = clock(6)
     pressure = sampled(ramp, time)
     log = simulate(model({}, bare), time, pressure, 33.0)
@@ -229,12 +212,10 @@ def test_tyres_that_need_a_way_follow_the_plant():
     def pedal(t):
         return 10e5 * (1.0 - np.cos(6.0 * t))  # rises by up to 60 bar/s
 
-    run = effect_runs.on_the_plant(pedal, v0=20.0, duration=2.0, relaxation=0.4)
-    off = {}
+    run = on_the_plant(pedal, v0=20.0, duration=2.0, relaxation=0.4)
+    off, time = {}, clock(2.0)
     for way in (0.0, 0.4):
-        tyre = replace(effect_runs.TYRE, relaxation=way)
-        model = replace(default_model(SEDAN), effects=Effects({}), tyre=tyre)
-        time = effect_runs.clock(2.0)
-        log = simulate(model, time, np.array([pedal(t) for t in time]), 20.0)
-        off[way] = max(effect_runs.apart(log, run, f"omega_{w}") for w in ("fl", "rl"))
+        tyre = MagicFormula(25.0, 0.9, 1.65, relaxation=way)
+        log = simulate(model({}, tyre=tyre), time, sampled(pedal, time), 20.0)
+        off[way] = max(apart(log, run, f"omega_{w}") for w in ("fl", "rl"))
     assert off[0.4] < 0.25 * off[0.0]

@@ -23,12 +23,6 @@ MODEL = replace(
 )
 
 
-def own_of(tmp_path, text, name="mine.py"):
-    path = tmp_path / name
-    path.write_text(text)
-    return read_own_effects([path])[0]
-
-
 def test_a_car_that_has_a_file_has_its_effect_and_another_car_has_not():
     assert definition(EQUIPPED.effects, "air_brake_flap") is FLAP.effect
     assert list(all_effects(EQUIPPED.effects)) == [*CATALOGUE, "air_brake_flap"]
@@ -59,8 +53,9 @@ def test_a_model_without_the_file_is_refused_and_names_file_and_option(model_fil
 
 
 def test_a_model_whose_file_has_changed_is_refused_unless_it_says_any(model_file, tmp_path):
-    changed = own_of(tmp_path, EXAMPLE.read_text() + "\n# more\n", "air_brake_flap.py")
-    car = with_own(SEDAN, [changed])
+    changed = tmp_path / "air_brake_flap.py"
+    changed.write_text(EXAMPLE.read_text() + "\n# more\n")
+    car = with_own(SEDAN, read_own_effects([changed]))
     with pytest.raises(ModelError, match=r"air_brake_flap\.py has changed since"):
         read_model(model_file, car)
     lines = [line for line in model_file.read_text().splitlines() if "sha256" not in line]

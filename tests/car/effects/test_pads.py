@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from calib.car.effects.catalogue import CATALOGUE
 from tests.support.effect_runs import SEDAN, driven, factors, made_history, wave
 
-WET = {"wet_loss": 0.4, "dry_energy": 50e3}
 PRESSURE = CATALOGUE["pad_pressure_dependence"]
 
 
