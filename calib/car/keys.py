@@ -48,9 +48,8 @@ class VehicleKey:
 
     def value_of(self, vehicle: Vehicle) -> float:
         """The value in a vehicle, in ``unit``; only for a key that holds a number."""
-        owners: dict[str, Vehicle | Axle] = {FRONT: vehicle.front, REAR: vehicle.rear}
-        value = getattr(owners.get(self.section, vehicle), self.name)
-        return from_si(float(value), self.unit, si_of(self.unit))
+        owner = {FRONT: vehicle.front, REAR: vehicle.rear}.get(self.section, vehicle)
+        return from_si(float(getattr(owner, self.name)), self.unit, si_of(self.unit))
 
 
 def _read(row: dict[str, str]) -> VehicleKey:

@@ -6,7 +6,7 @@ from calib.base.errors import VehicleError
 from calib.base.intervals import Z95
 from calib.car.vehicle import Vehicle
 
-_SHARES = (0.5, 2.0)
+_LEAST, _MOST = 0.5, 2.0
 """Range of a stated mass over that of the file [1]: an empty and a laden van. Outside, the number
 is in pounds or of another car, or the load moves the centre of gravity."""
 
@@ -40,16 +40,16 @@ def with_mass(vehicle: Vehicle, mass: float | None) -> Vehicle:
 
     The effect ``mass_error`` is dropped, and the tolerance is at most `WEIGHED`. Not valid for a
     load high up or far behind, since the centre of gravity does not move. Raises VehicleError for a
-    mass outside of `_SHARES`.
+    mass out of the range `_LEAST` to `_MOST`.
     """
     if mass is None:
         return vehicle
-    share, (least, most) = mass / vehicle.mass, _SHARES
-    if not least <= share <= most:
+    share = mass / vehicle.mass
+    if not _LEAST <= share <= _MOST:
         of_file = f"the {vehicle.mass:.5g} kg of the vehicle file"
         flaw = f"a stated mass of {mass:.5g} kg is {share:.2f} times {of_file}"
         do = "check number and unit of the mass; a car with such a load has its own vehicle file"
-        expected = f"{least:g} to {most:g} times"
+        expected = f"{_LEAST:g} to {_MOST:g} times"
         raise VehicleError(flaw, where=vehicle.name, expected=expected, do=do)
     tolerance, effects = min(vehicle.mass_tolerance, WEIGHED), vehicle.effects.without("mass_error")
     return replace(vehicle, mass=mass, mass_tolerance=tolerance, effects=effects)

@@ -22,7 +22,7 @@ LEAST_FRONT_BIASED = limit_of("front_biased_up_to", "low")
 """Deceleration [g] up to which the front axle must lock first.
 
 Cars that control the rear pressure (EBD) have 0.4 or more by design. Pads that scatter by 3 %
-between the axles lower it by as much as 0.1 g in one car of a thousand."""
+between the axles lower this deceleration by as much as 0.1 g in one car of a thousand."""
 
 _FIGURE_OF: dict[str, Callable[[Vehicle], float]] = {
     "wheelbase": lambda car: car.wheelbase,
@@ -40,7 +40,7 @@ _FIGURE_OF: dict[str, Callable[[Vehicle], float]] = {
     "front_biased_up_to": front_biased_up_to,
     "lock_efficiency": lambda car: lock_efficiency(car, _GOOD_ROAD),
 }
-"""Functions for the figures of `figures.csv` by code, in the unit of the code (`UNITS`)."""
+"""Functions for the figures of `figures.csv` by code, in the units of `calib.base.warning`."""
 
 
 class _Figure(NamedTuple):
@@ -48,7 +48,7 @@ class _Figure(NamedTuple):
 
     code: str  # of the warning
     value_of: Callable[[Vehicle], float]
-    low: float  # usual range, in the unit of the code
+    low: float  # usual range, in the unit of the figure
     high: float
     too_low: tuple[str, ...]  # likely causes of a value outside the range
     too_high: tuple[str, ...]
@@ -80,6 +80,7 @@ def vehicle_warnings(vehicle: Vehicle) -> tuple[PlausibilityWarning, ...]:
     for code, value_of, low, high, too_low, too_high, do in _FIGURES:
         value = value_of(vehicle)
         if not low <= value <= high:
-            expected, causes = (low, finite_or_none(high)), too_low if value < low else too_high
+            expected = (low, finite_or_none(high))
+            causes = too_low if value < low else too_high
             warnings.append(PlausibilityWarning(code, vehicle.name, value, expected, causes, do))
     return tuple(warnings)

@@ -5,9 +5,9 @@
       |   .x          F_0  springs and seals, less the rolling resistance on the rollers
       +--+------ F_n
 
-The rollers measure each axle alone, so the pads' ratio follows without any tyre. It is the ratio of
-cold pads at walking speed. On the road the friction differs, by nearly the same factor on both
-axles; a difference of these factors is not part of the standard deviation given here.
+The rollers measure each axle alone, so the ratio of the pads follows without any tyre, for cold
+pads at walking speed. On the road the friction differs, by nearly the same factor on both axles; a
+difference of these factors is not part of the standard deviation given here.
 """
 
 from dataclasses import dataclass
@@ -52,6 +52,15 @@ class AxleOnRollers:
     force: tuple[float, ...]  # brake force of both wheels [N]
 
 
+class _Line(NamedTuple):
+    """A line through the rows of an axle."""
+
+    slope: float  # of force over nominal force [1]
+    squares: float  # sum of squared residuals, each over the mean force [1]
+    freedom: int  # degrees of freedom: rows less two
+    lever: float  # sigma of the slope for a relative scatter of 1 [1]
+
+
 @dataclass(frozen=True)
 class RollerBench:
     """A run on a roller brake tester."""
@@ -80,7 +89,7 @@ class RollerBench:
         value = float(np.log(front.slope)) - float(np.log(rear.slope))
         return Value(value, float(np.sqrt(sigma_f**2 + sigma_r**2 + machine_variance)))
 
-    def _line(self, vehicle: Vehicle, axle: str) -> "_Line":
+    def _line(self, vehicle: Vehicle, axle: str) -> _Line:
         """Fit a line to an axle's measured forces over its nominal forces, by least squares.
 
         The slope is 0 where the nominal forces do not rise, as behind a valve that shuts.
@@ -90,7 +99,7 @@ class RollerBench:
         brake: Axle = getattr(vehicle, name)
         pressure, force = np.array(sorted(zip(rows.pressure, rows.force, strict=True))).T
         nominal, mean = _nominal(vehicle, axle, pressure, self.source), float(force.mean())
-        x = nominal - nominal.mean()
+        x = nominal - nominal.mean()  # [N]
         spread = max(float(np.linalg.norm(x)), _LEAST_SPREAD)
         slope = float(x @ force) / spread**2
         residual = (force - mean - slope * x) / mean
@@ -124,12 +133,3 @@ def _nominal(vehicle: Vehicle, axle: str, pressure: Array, source: str) -> Array
     torques = brakes.torques(run)
     torque = sum((torques[brakes.twin(f"{axle}{side}")] for side in "lr"), np.zeros_like(pressure))
     return np.asarray(torque / brakes.axle(f"{axle}l").rolling_radius)
-
-
-class _Line(NamedTuple):
-    """A line through the rows of an axle."""
-
-    slope: float  # of force over nominal force [1]
-    squares: float  # sum of squared residuals, each over the mean force [1]
-    freedom: int  # degrees of freedom: rows less two
-    lever: float  # sigma of the slope for a relative scatter of 1 [1]

@@ -94,7 +94,6 @@ def plan(prior: Prior, want: Want, workers: int = 1) -> Plan:
         chosen = search.run(start)
         beginnings = [chosen[: i + 1] for i in range(len(chosen))]
         widths = medians(prior, beginnings, _CARS)
-
         others = [m for m in measures() if m not in search.impossible and not m.is_whole_ramp]
         everything = tuple(dict.fromkeys((*chosen, *others)))
         runs = tuple(measure for measure in everything if measure.driven)
@@ -119,6 +118,7 @@ def plan(prior: Prior, want: Want, workers: int = 1) -> Plan:
 
 
 def _times(sequence: _Sequence) -> list[float]:
+    """Return the time of each measure [s], with the turn before it."""
     return [_time_after_another(m) if i else m.duration for i, m in enumerate(sequence)]
 
 
@@ -128,7 +128,7 @@ def _time_after_another(measure: Measure) -> float:
 
 
 class _Search:
-    """The greedy search, with the gains of the measures tried, and why others are impossible."""
+    """The greedy search: gains of the measures that were tried, and why others are impossible."""
 
     def __init__(self, prior: Prior, want: Want, in_parallel: MapFunction) -> None:
         self.prior, self.want, self.in_parallel = prior, want, in_parallel
@@ -176,13 +176,13 @@ class _Search:
         count = _CARS if is_first else 1
         outcomes = _outcomes(self.in_parallel, self.prior, sequences, count)
         widths_after = {}
-        for measure, (reason, of_cars) in zip(options, outcomes, strict=True):
+        for measure, (reason, by_car) in zip(options, outcomes, strict=True):
             if reason:
                 self.impossible[measure] = reason
                 continue
-            self.gains[measure] = sum(self.want.gain(widths, car) for car in of_cars) / count
+            self.gains[measure] = sum(self.want.gain(widths, narrow) for narrow in by_car) / count
             if is_first or self.gains[measure] >= _WORTH:
-                widths_after[measure] = _median(of_cars)
+                widths_after[measure] = _median(by_car)
         return widths_after
 
     def _pruned(self, chosen: _Sequence, widths: HalfWidths) -> _Sequence:
@@ -194,8 +194,7 @@ class _Search:
         by_time = sorted(chosen[fixed:], key=_time_after_another, reverse=True)
         shorter = [tuple(m for m in chosen if m != left_out) for left_out in by_time]
         outcomes = _outcomes(self.in_parallel, self.prior, shorter, 1)
-        for sequence, (_, of_one_car) in zip(shorter, outcomes, strict=True):
-            wider = of_one_car[0]
+        for sequence, (_, (wider,)) in zip(shorter, outcomes, strict=True):
             if self.want.met_by(wider) or self.want.gain(wider, widths) < _WORTH:
                 return self._pruned(sequence, widths)
         return chosen

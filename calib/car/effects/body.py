@@ -90,7 +90,7 @@ def _biased(vehicle: Vehicle, parameters: Parameters, history: RunHistory, a_x: 
 def _runout(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> dict[str, Array]:
     """Factors [1] on the front wheel speeds from the runout of their tone rings, one wave a turn.
 
-    Both rings are in step, or `sides` gives one of them alone. `RunHistory.ripple` has the phase.
+    Both rings are in step, or one is alone, see `sides`. The phase is that of `RunHistory.ripple`.
     Not valid for a damaged tooth, which gives a spike.
     """
     wave = parameters["runout"] * motion.history.ripple(parameters["runout_phase"])

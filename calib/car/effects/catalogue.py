@@ -23,7 +23,7 @@ CATALOGUE: dict[str, Effect] = {name: _BY_NAME[name] for name in CARDS}
 LINE_EFFECTS = tuple(effect.card.name for effect in hydraulics.LINE)
 CALIPER_EFFECTS = tuple(effect.card.name for effect in hydraulics.CALIPER)
 SENSOR_EFFECTS = tuple(effect.card.name for effect in _IN_ORDER if effect.accelerometer is not None)
-"""Effects on the accelerometer: first on the acceleration that it feels, then on its reading."""
+"""Effects on the accelerometer: those on the felt acceleration come before those of the sensor."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,7 +71,7 @@ def require_file(name: str, defined: DefinedIn, where: object = None) -> OwnEffe
 def with_own(vehicle: Vehicle, own_effects: Iterable[OwnEffect]) -> Vehicle:
     """Return the vehicle with these effects of the user, which do not yet act.
 
-    Raises ModelError for two effects of one name, and for a file that has changed since its fit.
+    Raises ModelError for two effects of one name, and for a file other than that of an earlier fit.
     """
     files: dict[str, OwnEffect] = {}
     for effect in own_effects:
@@ -86,7 +86,7 @@ def with_own(vehicle: Vehicle, own_effects: Iterable[OwnEffect]) -> Vehicle:
 def with_files(
     defined: Mapping[str, DefinedIn], files: Mapping[str, DefinedIn], where: object
 ) -> dict[str, DefinedIn]:
-    """Return the ``defined`` effects, replaced by or joined with ``files``; both by effect.
+    """Return ``defined`` and ``files`` together, by effect; a given file replaces a definition.
 
     Raises ModelError for a file that has changed since the effect was defined.
     """

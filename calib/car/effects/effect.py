@@ -7,8 +7,8 @@ links, which are fields of `Effect`, the lower line says what a link computes:
             caliper     pads        left,     wheels         slip    car           a_x as read
                                     right
 
-Further links are numbers of the car (``inertia``, ``radius``, ``mass``, ``load_shift``) and the
-readings of other sensors (``wheel_speed``, ``wheel_speed_delay``, ``speed_delay``).
+Further links are numbers of the car (``inertia``, ``radius``, ``mass``, ``load_shift``) and other
+readings (``accelerometer_lag``, ``wheel_speed``, ``wheel_speed_delay``, ``speed_delay``).
 """
 
 import math
@@ -140,12 +140,12 @@ def _card(row: dict[str, str], parameters: tuple[Parameter, ...]) -> Card:
     return Card(row["name"], *texts, parameters, neutral, row["not_sensed"])
 
 
-_PARAMETERS: dict[str, tuple[Parameter, ...]] = {}
+_PARAMETERS: dict[str, list[Parameter]] = {}
 for _row in rows("parameters.csv", "calib.car.effects"):
-    _PARAMETERS[_row["effect"]] = (*_PARAMETERS.get(_row["effect"], ()), _parameter(_row))
+    _PARAMETERS.setdefault(_row["effect"], []).append(_parameter(_row))
 
 _CARD_ROWS = rows("cards.csv", "calib.car.effects")
-CARDS = {row["name"]: _card(row, _PARAMETERS[row["name"]]) for row in _CARD_ROWS}
+CARDS = {row["name"]: _card(row, tuple(_PARAMETERS[row["name"]])) for row in _CARD_ROWS}
 """The cards of the catalogue, in the order in which effects are listed and searched."""
 
 

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Self
 
-_ByParameter = Mapping[str, Mapping[str, float]]
+_ByEffect = Mapping[str, Mapping[str, float]]  # numbers by effect and parameter
 
 
 @dataclass(frozen=True)
@@ -49,9 +49,9 @@ class Effects:
     an `OwnEffect` of `calib.car.effects.catalogue` if the file was given.
     """
 
-    parameters: _ByParameter = field(default_factory=dict)  # [SI] by effect
+    parameters: _ByEffect = field(default_factory=dict)  # values [SI]
     terms: tuple[EmpiricalTerm, ...] = ()
-    sigma: _ByParameter = field(default_factory=dict)  # standard deviations [SI], where known
+    sigma: _ByEffect = field(default_factory=dict)  # standard deviations [SI], where known
     user_defined: Mapping[str, DefinedIn] = field(default_factory=dict)
 
     def __hash__(self) -> int:

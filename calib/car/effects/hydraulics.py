@@ -73,7 +73,7 @@ def _of_both(filtered: Callable[[Array], Array], p_f: Array, p_r: Array) -> Pair
 def _oscillating(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
     """Pressures after a lag of second order that overshoots, with T = 1/w of the undamped mode.
 
-    They are in steady state at the first sample, and below zero only where the pressure before was.
+    They are in steady state at the first sample, and an overshoot does not take them below zero.
     For a strongly damped line use `hydraulic_lag`.
     """
     T, damping = parameters["response_time"], parameters["line_damping"]

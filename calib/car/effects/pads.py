@@ -71,15 +71,15 @@ def _above_reference(p: Array, bend: float) -> Array:
 
 
 def _drying(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
-    """Factors 1 - k exp(-E/E_d) [1] of wet pads, which the heat E of each brake dries.
+    """Factors 1 - a exp(-E/E_0) [1] of wet pads, which the heat E of each brake dries.
 
-    E counts from the first sample. E_d is ``dry_energy`` in front; the rear brakes have
-    ``dry_rear_share``, by default 1, of it. Not valid if water comes later.
+    E counts from the first sample. E_0 is ``dry_energy`` in front; a rear brake has the share
+    ``dry_rear_share``, by default 1, of this energy. Not valid if water comes later.
     """
-    loss, E_d = parameters["wet_loss"], parameters["dry_energy"]
-    E_d_rear = E_d * parameters.get("dry_rear_share", 1.0)
-    front = 1.0 - loss * np.exp(-history.energy_f / E_d)
-    return front, 1.0 - loss * np.exp(-history.energy_r / E_d_rear)
+    a, E_0 = parameters["wet_loss"], parameters["dry_energy"]
+    E_0_rear = E_0 * parameters.get("dry_rear_share", 1.0)
+    front = 1.0 - a * np.exp(-history.energy_f / E_0)
+    return front, 1.0 - a * np.exp(-history.energy_r / E_0_rear)
 
 
 def _uneven(parameters: Parameters, history: RunHistory) -> dict[str, Array]:
@@ -95,7 +95,7 @@ def _uneven(parameters: Parameters, history: RunHistory) -> dict[str, Array]:
 def _pulsing(parameters: Parameters, history: RunHistory) -> dict[str, Array]:
     """Factors [1] on the torques of front discs of uneven thickness, one wave a turn.
 
-    Both discs are in step, or `sides` gives one of them alone. `RunHistory.ripple` has the phase.
+    Both discs are in step, or one is alone, see `sides`. The phase is that of `RunHistory.ripple`.
     """
     a, wave = parameters["amplitude"], history.ripple(parameters["phase"])
     left, right = sides(parameters["side"])

@@ -26,8 +26,8 @@ FADE_OUT = 3.0  # speed [m/s] below which the moment of a motor falls to zero, a
 
 def _rolling(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pair:
     """c_rr F_z R [N m per axle]; ``rolling_growth``, by default 0, lets c_rr grow with v^2."""
-    squared_speed = (motion.v / _REFERENCE_SPEED) ** 2
-    growth = 1.0 + parameters.get("rolling_growth", 0.0) * (squared_speed - 1.0)
+    speed_ratio = motion.v / _REFERENCE_SPEED
+    growth = 1.0 + parameters.get("rolling_growth", 0.0) * (speed_ratio**2 - 1.0)
     c_rr = parameters["coefficient"] * growth
     front = c_rr * motion.load_f * vehicle.front.rolling_radius
     return front, c_rr * motion.load_r * vehicle.rear.rolling_radius
@@ -84,7 +84,7 @@ EFFECTS = (
     effect("regenerative_torque", axle_moment=_motor),
     # valid for one gear: the inertia of an engine counts with the square of the gear ratio
     effect("wheel_inertia", inertia=lambda parameters: (parameters["extra_inertia"], 0.0)),
-    # the front radius is taken as right: a common error of both would be one of the speed scale
+    # the front radius is taken as right: an error of both radii would be one of the scale of v
     effect(
         "rolling_radius_mismatch",
         radius=lambda parameters: (1.0, 1.0 + parameters["radius_mismatch"]),
