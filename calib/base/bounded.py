@@ -71,10 +71,7 @@ _READ_FLAGS = os.O_RDONLY | sum(getattr(os, name, 0) for name in _FLAG_NAMES)
 
 
 def open_bounded(path: Path, kind: FileKind) -> BufferedReader:
-    """Open a regular file, or a link to a regular file, for reading.
-
-    Raises OSError with a readable ``strerror``, also for a pipe, a device or too large a file.
-    """
+    """Open a regular file, or a link to it. Raises OSError, also for a pipe or a file too large."""
     try:
         handle = os.open(path, _READ_FLAGS)
     except ValueError as cause:  # a null character in the name
@@ -105,7 +102,7 @@ def read_bounded(path: Path, kind: FileKind) -> bytes:
 
 @contextmanager
 def errors_as(error: Callable[..., BrakeCalError], where: object, expected: str) -> Iterator[None]:
-    """Raise ``error`` for the file ``where`` in place of an OSError within the context."""
+    """Raise ``error`` for the file ``where`` in place of any OSError within the context."""
     try:
         yield
     except (FileNotFoundError, NotADirectoryError) as cause:

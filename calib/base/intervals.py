@@ -38,29 +38,26 @@ def white_noise(x: Array, order: int = 3, lag: int = 1) -> float:
 
 
 def noise_over(x: Array, longest: float) -> list[float]:
-    """`white_noise` of ``x`` (n,) with lags of 1, 2, 4 ... samples up to ``longest``.
-
-    A lag of a third of ``x`` or more is left out.
-    """
+    """`white_noise` of ``x`` (n,) at lags of 1, 2, 4 ... up to ``longest`` samples, below n/3."""
     lags = [2**i for i in range(x.size.bit_length())]
     return [white_noise(x, lag=lag) for lag in lags if lag <= longest and 3 * lag < x.size]
 
 
-def second_differences(white: float, walk: float, turned: float) -> tuple[Array, float]:
-    """Return the moving average (3,) that makes second differences of e from white noise.
+def second_differences(white: float, walk: float, step_walk: float) -> tuple[Array, float]:
+    """Return the moving average (3,) that makes the second differences of e from white noise.
 
-    Return also the standard deviation of that noise [m/s]. e is v less the integral of a_x: the sum
-    of white noise of variance ``white``, of a random walk whose steps have the variance ``walk``,
-    and of a random walk whose step is itself a random walk, as on a changing slope, with changes of
-    variance ``turned`` [m^2/s^2]. With the shift q by one sample and y = q + 1/q, the spectrum of
-    the second differences is
+    Also return the standard deviation of that noise [m/s]. e is v less the integral of a_x. It is
+    the sum of white noise, of a random walk, and of a walk whose step is itself a random walk, as
+    on a changing slope. The parameters are the variances of the white noise, of the steps of the
+    random walk, and of the changes of the step [m^2/s^2]. With the shift q by one sample and
+    y = q + 1/q, the spectrum of the second differences is
 
-        white (2 - y)^2 + walk (2 - y) + turned
+        white (2 - y)^2 + walk (2 - y) + step_walk
 
     Its zeros are pairs q and 1/q. Those within the unit circle give the moving average that can be
     inverted (Brockwell and Davis, Time Series: Theory and Methods, section 3.1).
     """
-    root = cmath.sqrt(walk**2 - 4.0 * white * turned)
+    root = cmath.sqrt(walk**2 - 4.0 * white * step_walk)
     zeros_y = [(4.0 * white + walk + sign * root) / (2.0 * white) for sign in (1.0, -1.0)]
     # q + 1/q = y has the zero q = 2/(y + sqrt(y^2 - 4)) within the unit circle
     first, second = (2.0 / (y + cmath.sqrt(y + 2.0) * cmath.sqrt(y - 2.0)) for y in zeros_y)
@@ -73,9 +70,9 @@ def posterior(information: Array, side: Array, sigma: Array) -> tuple[Array, Arr
 
     ``information`` (..., n, n) and ``side`` (..., n) are the normal equations of the measurement,
     information x = side. The priors are independent and normal about zero, of ``sigma`` (..., n).
-    The equations are solved in units of sigma, so that wide priors cost no digits. The evidence is
-    ln of the marginal likelihood over the likelihood of x = 0.
+    The evidence is ln of the marginal likelihood over the likelihood of x = 0.
     """
+    # solved in units of sigma, so that wide priors cost no digits
     scale = sigma[..., :, None] * sigma[..., None, :]  # (..., n, n)
     total = np.eye(sigma.shape[-1]) + scale * information  # prior and measurement
     covariances = scale * np.linalg.inv(total)

@@ -65,8 +65,8 @@ def section(
 ) -> Any:
     """Return the schema of a table from the type and the default of each key.
 
-    The default is None for an optional key, ``...`` for a required key. JSON Schema has the name
-    ``title`` and the description ``about``.
+    The default is None for an optional key, ``...`` for a required key. The ``title`` and what the
+    table is ``about`` stand in the JSON Schema.
     """
     fields: dict[str, Any] = {}
     for name, (kind, default) in keys.items():

@@ -54,9 +54,9 @@ def one_error(
     details = cause.errors(include_url=False)
     unlisted = max(len(details) - _MAX_LISTED, 0)
     details = details[:_MAX_LISTED]
-    of_version = [detail for detail in details if detail["loc"] == ("schema",)]
-    if of_version:  # the other mistakes may follow from the other version
-        details = of_version
+    about_version = [detail for detail in details if detail["loc"] == ("schema",)]
+    if about_version:  # other mistakes may only follow from the wrong version
+        details = about_version
     mistakes = [_mistake(detail, schema) for detail in _without_misspelt(details, schema)]
     if len(mistakes) == 1:
         return mistakes[0].error(error, where)

@@ -14,13 +14,13 @@ from calib.base.record_errors import wrong
 from calib.base.toml import shortened
 
 
-def _printable(written: object) -> object:
+def _require_printable(written: object) -> object:
     if isinstance(written, str) and not (written.strip() and written.isprintable()):
         raise wrong(f"{shortened(written)} says nothing that can be printed", "text of one line")
     return written
 
 
-_Text = Annotated[str, BeforeValidator(_printable)]
+_Text = Annotated[str, BeforeValidator(_require_printable)]
 
 
 class _StationSection(Section):
@@ -51,7 +51,7 @@ class SettingsFile(FileSchema):
 
 
 def read_settings(path: Path | None) -> dict[str, Any]:
-    """Return the values of a settings file by key, such as ``station.name``, or None.
+    """Return the values of a settings file by key, such as ``station.name``; None if not set.
 
     Paths are relative to the working folder. Raises one SettingsError with all mistakes.
     """

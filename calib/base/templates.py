@@ -1,4 +1,4 @@
-"""The settings of Jinja that all files of the program are made with."""
+"""The Jinja templates from which the program makes its pages and export files."""
 
 from typing import TYPE_CHECKING
 

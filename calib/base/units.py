@@ -51,10 +51,7 @@ def spelling(unit: str) -> str:
 
 
 def unit_of(unit: str, si: str) -> Unit:
-    """Return the conversion of a written unit of the quantity with the SI unit ``si``.
-
-    Raises `UnknownUnit`, which names the unit, the expected quantity and its known units.
-    """
+    """Return the conversion of a written unit to the SI unit ``si``. Raises `UnknownUnit`."""
     quantity, units = QUANTITIES[si]
     spelt = spelling(unit)
     if spelt in units:
@@ -85,7 +82,7 @@ def si_of(unit: str) -> str:
 def to_si(values: Number, unit: str, si: str) -> Number:
     """Convert ``values``, any shape, from a written ``unit`` to the SI unit ``si``.
 
-    Temperatures are temperatures, not differences. Raises `UnknownUnit` as `unit_of`.
+    Raises `UnknownUnit`. Temperatures are converted as points of a scale, not as differences.
     """
     conversion = unit_of(unit, si)
     return values * conversion.scale / conversion.per + conversion.offset

@@ -27,10 +27,7 @@ _WAITS = (0.02, 0.1, 0.5, 2.0)  # for a file that a reader or scanner has open o
 
 
 def write_whole(path: Path, content: bytes) -> None:
-    """Write ``content`` to ``path`` atomically, and flush it to the disk. Raises OSError.
-
-    The new file is first written as ``.<name>.<random>.new`` in the same folder.
-    """
+    """Write ``content`` to ``path`` atomically, and flush it to the disk. Raises OSError."""
     new_path = path.with_name(f".{path.name}.{secrets.token_hex(4)}.new")
     try:
         with new_path.open("xb") as file:

@@ -116,8 +116,7 @@ class Fits:
     def density(self, fit: Fit) -> float:
         """ln of the density of the hold-outs given the other logs, up to a constant.
 
-        It follows from one linear model of all logs, about the best random effects of the
-        hold-outs.
+        It follows from one linear model of all logs, at the best random effects of the hold-outs.
         """
         key, holdouts = fit.hypothesis.key, self.holdouts
         if key not in self.densities:

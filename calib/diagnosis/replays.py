@@ -167,7 +167,7 @@ class Replayed:
 def replayed(holdouts: HoldOuts, fit: Fit, base: Fit | None) -> Replayed:
     """Fit again without tyre discrepancies, and replay the hold-outs with and without effects.
 
-    ``base`` is the fit without effects and discrepancies, or None if ``fit`` has no effects. Raises
+    ``base`` is without effects and discrepancies, or None if ``fit`` has no effects. Raises
     ModelError if a replay fails.
     """
     simulated = without_discrepancy(fit)

@@ -55,15 +55,11 @@ def checked(
     if not holdout:
         raise LogError("no hold-out log", expected="--holdout LOG...", do="keep two stops back")
     if len(calibration) < 2:
-        raise LogError(
-            f"{len(calibration)} calibration log",
-            expected="two or more that differ: a coast, a ramp, stops at other pressures and heats",
-        )
+        expected = "two or more that differ: a coast, a ramp, stops at other pressures and heats"
+        raise LogError(f"{len(calibration)} calibration log", expected=expected)
     if max(float(np.max(log["p_mc"])) for log in calibration) < 5e5:
-        raise LogError(
-            "nothing is braked in the calibration logs",
-            expected="pressure above 5 bar in at least one",
-        )
+        expected = "pressure above 5 bar in at least one"
+        raise LogError("nothing is braked in the calibration logs", expected=expected)
     refuse_copies(calibration, holdout)
     runs = [Run(log, vehicle) for log in (*calibration, *holdout)]
     for run in runs:

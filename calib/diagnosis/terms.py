@@ -84,7 +84,6 @@ def with_terms(fit: Fit, ranked: Sequence[Ranked]) -> list[Fit]:
 
 
 def _with_term(fit: Fit, term: Ranked) -> Fit:
-    """Fit a term beside a fit."""
     state = replace(fit.state, x=np.concatenate([fit.state.x, term.values]))
     return fit_logs(fit.problem, replace(fit.hypothesis, walk=term.walk), state, fit.columns)
 

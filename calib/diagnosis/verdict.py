@@ -75,16 +75,16 @@ class Verdict:
 def verdict_of(search: Search) -> Verdict:
     """Return the verdict on the best fit of a search."""
     base = search.base
-    after, terms, with_term = _last_closing(search)
+    after, terms, term_fits = _last_closing(search)
     best = after.fit
-    if not with_term and search.gap(after).rms_after > (_FAR if best.names else 2.0 * _FAR):
-        with_term = with_terms(best, terms)
-    if with_term and best.names:
+    if not term_fits and search.gap(after).rms_after > (_FAR if best.names else 2.0 * _FAR):
+        term_fits = with_terms(best, terms)
+    if term_fits and best.names:
         term_alone = with_terms(base, search.terms)
         if term_alone[0].log_evidence > best.log_evidence + DECISIVE:
-            best, after, with_term = base, search.base_replayed, term_alone
+            best, after, term_fits = base, search.base_replayed, term_alone
     rivals = search.rivals if best is search.best else ()
-    return Verdict(search, after, rivals, plainest(best, with_term) if with_term else None)
+    return Verdict(search, after, rivals, plainest(best, term_fits) if term_fits else None)
 
 
 def _last_closing(search: Search) -> tuple[Replayed, list[Ranked], list[Fit]]:
@@ -102,11 +102,11 @@ def _last_closing(search: Search) -> tuple[Replayed, list[Ranked], list[Fit]]:
         if fit.names and search.widens(replayed):
             continue
         terms = ranked_terms(fit)
-        with_term = _remaining_terms(search, fit, terms)
+        term_fits = _remaining_terms(search, fit, terms)
         explained = 1.0 - (fit.mean_square - 1.0) / max(search.base.mean_square - 1.0, 1e-9)
         closed = min(search.gap(replayed).closed, explained)
-        if not fit.names or not with_term or closed > _LEAST_CLOSED:
-            return replayed, terms, with_term
+        if not fit.names or not term_fits or closed > _LEAST_CLOSED:
+            return replayed, terms, term_fits
     return search.base_replayed, search.terms, _remaining_terms(search, search.base, search.terms)
 
 
@@ -254,10 +254,8 @@ def oscillation_of(whitened: Sequence[Array], excess: float) -> Oscillation:
 
 
 def _power_of(x: Array, phase: Array) -> Array:
-    """Sum of squares (..., k) of innovations (..., n) that waves of ``phase`` (k, n) [rad] explain.
-
-    Cosine and sine explain 2 of pure noise, which is subtracted.
-    """
+    """Sum of squares (..., k) of innovations (..., n) that a wave of ``phase`` (k, n) explains."""
+    # a cosine and a sine explain 2 of noise alone
     return np.asarray(2.0 * np.abs(x @ np.exp(1j * phase).T) ** 2 / x.shape[-1] - 2.0)
 
 

@@ -23,7 +23,8 @@ REQUIRED = {"time", "p_mc", "a_x", "omega_fl", "omega_fr", "omega_rl", "omega_rr
 
 def test_channels_and_units_are_those_of_the_contract_in_its_order():
     rows = [tuple(line.split()) for line in CONTRACT.strip().splitlines()]
-    actual = [(name, q.unit) for name, q in CHANNELS.items()]
+    actual = [(name, channel.unit) for name, channel in CHANNELS.items()]
+    assert {name for name, channel in CHANNELS.items() if channel.required} == REQUIRED
     assert actual[: len(rows)] == rows
     # further channels
     assert actual[len(rows) :] == [

@@ -61,6 +61,7 @@ def residuals(run: ObservedRun, predicted: Prediction) -> Array:
     """Measured less predicted readings (6, m), as long as the car moves."""
     r = of_wheels(run, run.omega - predicted.omega)
     r[A_X] = thinned(run, run.a_x - predicted.a_x)
+    # with the first speed in it, a constant that the filter of v takes out
     r[DRIFT] = thinned(run, run.v_read - predicted.speed_gain)
     return r
 

@@ -251,18 +251,16 @@ def with_columns(fit: Fit, near: Sequence[Array] = ()) -> Fit:
 
 
 def _by_discrepancy(fit: Fit) -> list[Array]:
-    """Derivatives (2 k, n) of the innovations of each log by front and rear discrepancy.
-
-    The wheel speeds fall by the slip speed times the discrepancy, so the residuals rise.
-    """
+    """Derivatives (2 k, n) of the innovations of each log by front and rear discrepancy."""
     derivatives, hats = [], np.eye(DISCREPANCY_FORCES.size)
     for run, prediction in zip(fit.problem.runs, fit.predictions, strict=True):
         forces = prediction.normalised_force
         shares = np.stack(  # (k, 4, n): a value acts with a hat function of the force
             [[np.interp(force, DISCREPANCY_FORCES, hat) for force in forces] for hat in hats]
         )
-        omega = np.stack([shares * prediction.slip_speed] * 2)  # by front, rear discrepancy
-        omega[0, :, 2:], omega[1, :, :2] = 0.0, 0.0  # rear and front wheels do not change
+        # predicted wheel speeds fall with a discrepancy, so residuals rise: of front, rear wheels
+        omega = np.stack([shares * prediction.slip_speed] * 2)
+        omega[0, :, 2:], omega[1, :, :2] = 0.0, 0.0
         derivatives.append(whiten(of_wheels(run, np.concatenate(omega)), fit.problem.noise))
     return derivatives
 

@@ -61,6 +61,8 @@ class Marginal:
     information: Array  # products of the first k columns (k, k)
     cross: Array  # products of the first k columns with c further ones and r (k, c + 1)
     further: Array  # products of the further columns and r (c + 1, c + 1)
+    gradient: Array  # half the gradient of the sum of squares (k,)
+    squares: float  # sum of squares at the present x with the best random effects, priors included
     log_determinants: float
     """Sum of ln of the determinants of the random effects' information, less that of the prior."""
     steps: list[Array]  # of each log, by `Products.marginalised`
@@ -85,17 +87,15 @@ class Marginal:
         prior, places = np.column_stack([np.eye(k), offset]), [*range(k), -1]
         G[np.ix_(places, places)] += prior.T @ precision @ prior
         log_determinants = sum(determinants) - float(np.linalg.slogdet(precision)[1])
-        return cls(G[:k, :k], G[:k, k:], G[k:, k:], log_determinants, list(steps))
-
-    @property
-    def gradient(self) -> Array:
-        """Half the gradient (k,) of the sum of squares."""
-        return self.cross[:, -1]
-
-    @property
-    def squares(self) -> float:
-        """Sum of squares at the present x with the best random effects, priors included."""
-        return float(self.further[-1, -1])
+        return cls(
+            information=G[:k, :k],
+            cross=G[:k, k:],
+            further=G[k:, k:],
+            gradient=G[:k, -1],
+            squares=float(G[-1, -1]),
+            log_determinants=log_determinants,
+            steps=list(steps),
+        )
 
     def evidence(self, largest_fall: float = np.inf) -> float:
         """ln of the evidence without the further columns, up to a constant of the rows.

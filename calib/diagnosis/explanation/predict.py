@@ -92,12 +92,8 @@ class Prediction:
 def run_of(log: Log) -> ObservedRun:
     """Average a log onto the grid. Raises LogError if the log has no reference speed."""
     if "v" not in log:
-        raise LogError(
-            "no reference speed v",
-            where=log.source,
-            expected="v [m/s]",
-            do="a diagnosis needs it: wheel speeds alone cannot tell slip from speed",
-        )
+        do = "a diagnosis needs it: wheel speeds alone cannot tell slip from speed"
+        raise LogError("no reference speed v", where=log.source, expected="v [m/s]", do=do)
     n = samples_in(_GRID, log.sample_time)
     step = n * log.sample_time
 
