@@ -6,10 +6,11 @@
       |  / slope K
       +-/----------------> lambda
 
-F is the tyre force over the load F_z of the axle, lambda the slip. K and mu hold at a load of half
-the weight W. At the load F_z, the slip is multiplied by s = (2 F_z/W)^q and mu by (2 F_z/W)^-p. The
-formula is straight near zero slip, and the bend b curves it there. A brush model has F = K lambda
-(1 - K lambda/(3 mu) + ...), since a part of its contact patch slides at any slip: this is b = C/3.
+F is the tyre force over the load F_z of the axle, lambda the slip, x the slip without b and s. K
+and mu hold at a load of half the weight W. At the load F_z, the slip is multiplied by
+s = (2 F_z/W)^q and mu by (2 F_z/W)^-p. The formula is straight near zero slip, and the bend b
+curves it there. A brush model has F = K lambda (1 - K lambda/(3 mu) + ...), since a part of its
+contact patch slides at any slip: this is b = C/3.
 
 This is the steady state. The force builds up over the relaxation length sigma, so the slip of the
 wheel is larger than the slip that carries the force by (sigma/v) dlambda/dt.
@@ -64,7 +65,7 @@ class MagicFormula:
     ) -> tuple[Array, Array, NDArray[np.bool_]]:
         """Slip [1] at the normalised ``force`` [1] on the rising branch, and dF/dlambda [1] there.
 
-        A force above the share ``edge`` of the peak is cut; the third result is a mask of them.
+        Forces above the share ``edge`` of the peak are cut; the third result is their mask.
         """
         peak, load_factor = self.peak_at(relative_load), self._load_factor(relative_load)
         share = force / peak
@@ -106,8 +107,8 @@ class MagicFormula:
         return b_slip * 2.0 / (1.0 + np.sqrt(1.0 + 4.0 * self.bend * np.abs(b_slip)))
 
     def _slip_of(self, bx: Array | float, peak: Array | float, load_factor: Array | float) -> Array:
-        B = self.stiffness / (self.shape * peak)
-        return np.asarray(bx * (1.0 + self.bend * np.abs(bx)) / B * load_factor)
+        x = bx * (1.0 + self.bend * np.abs(bx)) / (self.stiffness / (self.shape * peak))
+        return np.asarray(x * load_factor)
 
     def _load_factor(self, relative_load: Array | float) -> Array | float:
         return relative_load**self.load_exponent if self.load_exponent else 1.0

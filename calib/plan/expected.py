@@ -94,7 +94,7 @@ def noise_of(densities: Mapping[str, float]) -> dict[str, NoiseLevel]:
 
 
 _CORNERS = ((0.0, 0.0), (1.0, -1.0), (-1.0, 1.0))
-"""Pad ratio and slip stiffness of the cars that stand for the prior, less the mean [sigma]."""
+"""Pad ratio and slip stiffness of the cars that stand for the prior, in sigma from the mean."""
 
 
 def cars(prior: Prior, count: int = len(_CORNERS)) -> list[Model]:
@@ -102,17 +102,16 @@ def cars(prior: Prior, count: int = len(_CORNERS)) -> list[Model]:
 
     Drag and rolling resistance are those of `identify` without a coast.
     """
-    mean, scale = default_model(prior.vehicle), math.exp(prior.pad_level.value)
+    nominal, scale = default_model(prior.vehicle), math.exp(prior.pad_level.value)
     effects = identify(prior.vehicle, ()).effects
     models = []
     for ratio_sigmas, stiffness_sigmas in _CORNERS[:count]:
         log_ratio = prior.pad_ratio.value + ratio_sigmas * prior.pad_ratio.sigma
         log_stiffness = prior.stiffness.value + stiffness_sigmas * prior.stiffness.sigma
-        mu_f = scale * math.exp(0.5 * log_ratio) * mean.pad_friction_f
-        mu_r = scale / math.exp(0.5 * log_ratio) * mean.pad_friction_r
-        tyre = replace(mean.tyre, stiffness=math.exp(log_stiffness))
-        model = replace(mean, pad_friction_f=mu_f, pad_friction_r=mu_r, tyre=tyre, effects=effects)
-        models.append(model)
+        mu_f = scale * math.exp(0.5 * log_ratio) * nominal.pad_friction_f
+        mu_r = scale / math.exp(0.5 * log_ratio) * nominal.pad_friction_r
+        tyre = replace(nominal.tyre, stiffness=math.exp(log_stiffness))
+        models.append(Model(nominal.vehicle, mu_f, mu_r, tyre, effects))
     return models
 
 

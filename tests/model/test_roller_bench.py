@@ -41,19 +41,19 @@ def test_exact_forces_give_the_pads_and_no_threshold_moves_them():
 def test_intervals_hold_the_truth_as_often_as_they_say(count):
     """Scatter of each row, and machines of 2 %: the share of 95 % intervals, of 600 runs."""
     pressures = tuple(np.linspace(8e5, 40e5, count).tolist())
-    rng, held = np.random.default_rng(count), []
+    rng, is_inside = np.random.default_rng(count), []
     for _ in range(600):
         common = rng.normal(0.0, 0.02 * math.sqrt(0.5))
         rows = []
         for name, mu in (("front", 0.40), ("rear", 0.37)):
             exact = axle(name, mu, 0.4e5, pressures)
-            own = math.exp(common + rng.normal(0.0, 0.02 * math.sqrt(0.5)))
+            scale = math.exp(common + rng.normal(0.0, 0.02 * math.sqrt(0.5)))
             noise = rng.normal(0.0, 0.004 * max(exact.force), count)
-            rows.append(AxleOnRollers(pressures, tuple(own * np.array(exact.force) + noise)))
-        found = bench(*rows, tolerance=0.02).log_pad_ratio(CAR)
-        held.append(abs(found.value - math.log(0.40 / 0.37)) < 1.96 * found.sigma)
-    # with three rows Student's t has one degree: too wide more often than too narrow
-    assert 0.93 <= np.mean(held) <= (0.98 if count > 3 else 1.0)
+            rows.append(AxleOnRollers(pressures, tuple(scale * np.array(exact.force) + noise)))
+        ratio = bench(*rows, tolerance=0.02).log_pad_ratio(CAR)
+        is_inside.append(abs(ratio.value - math.log(0.40 / 0.37)) < 1.96 * ratio.sigma)
+    # with three rows Student's t has two degrees of freedom: the intervals are rather too wide
+    assert 0.93 <= np.mean(is_inside) <= (0.98 if count > 3 else 1.0)
 
 
 def test_a_valve_that_the_file_declares_is_taken_out():

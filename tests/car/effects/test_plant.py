@@ -57,8 +57,9 @@ def faded(t):
 
 
 CASES = {
-    # name: parameters, pedal of the car, pressure and options of the plant,
-    #       channels that agree and how well, one that differs by more without the effect
+    # name: parameters, pressure of the simulation, pressure and options of the plant,
+    #       channels that agree, each with its tolerance, and a channel that differs by more
+    #       than a number without the effect
     "hydraulic_delay": ({"delay": 0.08}, wave, lambda t: wave(max(t - 0.08, 0.0)), {},
         {"v": 3e-3, "true_Tb_fl": 0.9}, ("v", 0.05)),
     "hydraulic_lag": ({"time_constant": 0.15}, ramp,
