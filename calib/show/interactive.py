@@ -28,8 +28,11 @@ _HEIGHT, _ROW = 250, 20
 """Height of a panel and of each row of its legend [px]."""
 _PIXEL = 4.0 / 3.0
 """Pixels to the point."""
-_MARKERS = {"o": "circle", ".": "dot", "^": "triangle", "D": "diamond"}
-"""Names of markers in matplotlib and in Bokeh."""
+_MARKERS = {
+    "o": "circle", ".": "dot", "^": "triangle", "v": "inverted_triangle", "D": "diamond",
+    "s": "square", "P": "plus", "X": "x",
+}  # fmt: skip
+"""Names of markers in Bokeh, by those in matplotlib."""
 _SCROLLS = ":host .bk-events { touch-action: pan-y !important; }"
 """Style by which a finger that moves on a panel scrolls the page."""
 _LEGEND = {

@@ -10,12 +10,15 @@ import pytest
 from selenium.webdriver import ActionChains
 from selenium.webdriver.support.ui import WebDriverWait
 
+from calib.line.gauge.study import study
 from calib.show.facts import Facts, Picture, Table
 from calib.show.html import page_of
 from calib.show.interactive import script
 from calib.show.panel import Field, Line, Mark, Panel
+from calib.show.repeatability import gauge_facts
 from calib.show.sheet import Sheet
 from calib.show.style import DASHED, FRONT, REAR, as_text
+from tests.line.gauge.test_study import readings
 from tests.support.browser import ask, needs_browser, opened
 
 TIME = np.arange(1001) / 200.0
@@ -104,6 +107,12 @@ def test_a_page_has_as_many_live_pictures_as_it_can_carry(sheet, monkeypatch):
     page = page_of(Facts("made", pictures=[Picture("made", lambda: sheet)] * 2), live=True)
     assert page.count('class="live"') == 4
     assert page.count("<img") == 8
+
+
+def test_every_station_of_a_gauge_study_has_a_marker_in_the_browser():
+    made = study(readings(cars=5, stations=7), {})
+    page = page_of(gauge_facts(made), live=True)
+    assert page.count('class="live"') == len(made.results) > 0
 
 
 def drawn(browser, page, *how):
