@@ -225,7 +225,7 @@ def _print_answer(answer: Answer, as_json: bool, page: Path | None) -> None:
     if not isinstance(result, str):
         from calib.show.facts import facts_of
 
-        result = facts_of(result).written(answer.out)
+        result = facts_of(result).with_folder(answer.out)
         print_warnings(result.warnings)
         if page is not None:
             write_page(page, result, "--report")

@@ -110,7 +110,7 @@ def print_result(result: "Facts | str", stream: IO[str] | None = None) -> None:
 
     A terminal shows a `PageText` in a pager.
     """
-    from calib.show.terminal import drawn
+    from calib.show.terminal import Screen, drawn
 
     stream = stream or sys.stdout
     console, run = _console(stream), this_run()
@@ -119,8 +119,9 @@ def print_result(result: "Facts | str", stream: IO[str] | None = None) -> None:
     elif isinstance(result, str):
         console.print(result, soft_wrap=True)
     else:
-        for part in drawn(result, quiet=run.quiet, details=run.verbose):
-            console.print(part, soft_wrap=_is_piped(stream) or isinstance(part, str))
+        screen = Screen(console.options.max_width, not _is_piped(stream), run.quiet, run.verbose)
+        for part in drawn(result, screen):
+            console.print(part, soft_wrap=not screen.wraps or isinstance(part, str))
 
 
 def _show_page(text: PageText) -> None:

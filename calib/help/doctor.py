@@ -1,7 +1,4 @@
-"""Whether the program can work on this machine: its packages, the store and the settings.
-
-Nothing is written.
-"""
+"""Whether the program can work on this machine: its packages, the store and the settings."""
 
 import os
 import platform
@@ -22,13 +19,13 @@ from calib.show.facts import Facts, Table
 from calib.store.folders import names_in, versions_in
 
 FINE, NOTE, WRONG = "fine", "note", "wrong"
-"""States of a thing: all is well, something is limited, the program cannot work."""
+"""States of what is examined: it is right, it limits the program, or it stops the program."""
 
 
 def environment() -> dict[str, str]:
     """Return interpreter, operating system, machine and processor; a value may be empty."""
     processor = platform.processor()
-    with suppress(OSError):  # the only place where Linux names the processor
+    with suppress(OSError):  # Linux names the processor only there
         text = Path("/proc/cpuinfo").read_text()
         model = re.search(r"^model name\s*:\s*(.+)$", text, re.MULTILINE)
         processor = model[1] if model else processor
@@ -45,7 +42,7 @@ def packages() -> Iterator[tuple[Requirement, str, str]]:
     declared = next((x.requires for x in distributions(name=NAME)), None)
     for need in map(Requirement, declared or ()):
         installed = next((x.version for x in distributions(name=need.name)), "")
-        for extra in ("", *EXTRAS):
+        for extra in ("", *EXTRAS):  # extras for developers are left out
             if need.marker is None or need.marker.evaluate({"extra": extra}):
                 yield need, installed, extra
                 break
@@ -53,30 +50,28 @@ def packages() -> Iterator[tuple[Requirement, str, str]]:
 
 @dataclass(frozen=True)
 class _Finding:
-    """The state of a thing that was examined, why in ``text``, and what to ``do``."""
-
-    name: str
+    name: str  # of what was examined
     state: str
-    text: str
+    text: str  # what was found
     do: str = ""
 
 
 def examine(store: Path | None = None) -> tuple[_Finding, ...]:
-    """Examine packages, store and settings; without ``store``, that of the settings or `STORE`."""
+    """Examine packages, store and settings; without ``store`` that of the settings, or `STORE`."""
     from calib.base.settings_file import find_project
 
-    usual = None
+    store_of_settings = None
     try:
         project = find_project()
         file = str(project.file or "no brake-cal.toml: the usual values")
-        settings, usual = _Finding("settings", FINE, file), project.settings["store"]
+        settings, store_of_settings = _Finding("settings", FINE, file), project.settings["store"]
     except SettingsError as error:
         settings = _Finding("settings", WRONG, str(error), "mend the file")
-    return (*map(_package_finding, packages()), _store(store or usual or STORE), settings)
+    of_packages = [_package(*package) for package in packages()]
+    return (*of_packages, _store(store or store_of_settings or STORE), settings)
 
 
-def _package_finding(package: tuple[Requirement, str, str]) -> _Finding:
-    need, installed, extra = package
+def _package(need: Requirement, installed: str, extra: str) -> _Finding:
     text = f"{installed or 'missing'} (needs {need.specifier})"
     if installed and need.specifier.contains(installed, prereleases=True):
         state, do = FINE, ""
@@ -102,13 +97,13 @@ def _store(store: Path) -> _Finding:
 
 
 def doctor_facts(findings: Sequence[_Finding]) -> Facts:
-    """Return the facts of the findings; those that are not `FINE` are the answer."""
+    """Return a table of the findings that are not `FINE`, and a part with all of them."""
     wrong = [finding.name for finding in findings if finding.state == WRONG]
-    can = f"cannot work here: {', '.join(wrong)}" if wrong else "can work here"
+    verdict = f"cannot work here: {', '.join(wrong)}" if wrong else "can work here"
     rows = [(x.name, x.state, f"{x.text}; {x.do}" if x.do else x.text) for x in findings]
-    heads, odd = ("what", "state", "found"), [row for row in rows if row[1] != FINE]
+    heads = ("what", "state", "found")
     return Facts(
-        headline=f"{PROGRAM} {can}",
-        tables=[Table(heads, odd)],
+        headline=f"{PROGRAM} {verdict}",
+        tables=[Table(heads, [row for row in rows if row[1] != FINE])],
         parts=[Facts("All that was looked at", tables=[Table(heads, rows)])],
     )

@@ -29,13 +29,14 @@ _TYPES = {
     "list": "array",
 }
 """JSON types by the words of `documents.toml`."""
-_SEVERAL = " ..."
-"""End of a key that stands for several keys with the same beginning."""
 
 
 @dataclass(frozen=True)
 class Document:
-    """A document: its ``title``, and "type: meaning" of each key of its first level."""
+    """A document: its ``title``, and "type: meaning" of each key of its first level.
+
+    A key that ends in " ..." stands for several keys with this beginning, and is in no schema.
+    """
 
     title: str
     keys: dict[str, str]
@@ -43,26 +44,26 @@ class Document:
     @property
     def schema(self) -> dict[str, Any]:
         """JSON Schema of the document, draft 2020-12; further keys are allowed."""
-        fixed = {}
-        for name, text in self.keys.items():
-            if not name.endswith(_SEVERAL):
-                words, meaning = text.split(": ", 1)
-                fixed[name] = _value(words, meaning)
+        keys = {
+            name: _value(*text.split(": ", 1))
+            for name, text in self.keys.items()
+            if not name.endswith(" ...")
+        }
         return {
             "$schema": "https://json-schema.org/draft/2020-12/schema",
             "title": self.title,
             "type": "object",
-            "properties": {"schema": {"const": 1}, **fixed},
-            "required": ["schema", *fixed],
+            "properties": {"schema": {"const": 1}, **keys},
+            "required": ["schema", *keys],
         }
 
 
 def _value(words: str, meaning: str) -> dict[str, Any]:
-    """Return the JSON Schema of a value; its type is in ``words``: "list of texts or null"."""
-    words_of_type = words.removesuffix(" or null")
-    container, _, items = words_of_type.partition(" of ")
+    """Return the JSON Schema of a value of the type ``words``: "list of texts or null"."""
+    not_null = words.removesuffix(" or null")
+    container, _, items = not_null.partition(" of ")
     kind = _TYPES[container]
-    schema: dict[str, Any] = {"type": kind if words == words_of_type else [kind, "null"]}
+    schema: dict[str, Any] = {"type": kind if words == not_null else [kind, "null"]}
     if items:
         schema["items"] = {"type": _TYPES[items.removesuffix("s")]}
     return schema | {"description": meaning}
@@ -81,7 +82,7 @@ FILES = {name: row["content"] for name, row in _FILES.items()}
 
 
 def section(name: str) -> "type[Section]":
-    """Return the class that reads a kind of file."""
+    """Return the class that reads a kind of file; that of limits is made from all metrics."""
     from calib.estimation.limits_file import limits_schema
     from calib.estimation.metrics import METRICS as OF_STOPS
     from calib.line.gauge.study import KNOWN_LIMITS

@@ -1,8 +1,8 @@
-"""The meaning of the code of a warning, a metric or a reason of an ECU, from the program's tables.
+"""What the code of a warning, of a metric or of a reason of an ECU means.
 
-rules.csv     what speaks against a log, a car or a result: from where on, why, what to do
+rules.csv     what speaks against a log, a car or a result: the figure, its range, what to do
 metrics.csv   what is judged, and its limits
-Reason        why an answer of the estimator is not valid
+Reason        why an estimate is not valid
 """
 
 import math
@@ -17,33 +17,35 @@ _ELSE = {REFUSE: "else it is refused", VOID: "else no sample counts", WARN: "els
 
 
 def codes() -> list[str]:
-    """Return every code that `explained` knows."""
+    """Return every code that `explained` knows, each once."""
     return [*dict.fromkeys([*(x.code for x in RULES), *METRICS, *Reason.__members__, *CHECKS])]
 
 
 def explained(code: str) -> Facts:
     """Return what a code means, as rule, metric and reason; no rows for an unknown code."""
-    rows = dict.fromkeys([*_rules(code), *_metric(code), *_reason(code)])
+    rows = dict.fromkeys([*_rules(code), *_metric(code), *_reason(code)])  # each row once
     return Facts(code, rows=list(rows))
 
 
 def _rules(code: str) -> list[Row]:
     """Return what the rules of a code measure and expect, likely causes, and what to do."""
     rows: list[Row] = []
-    for rule in (rule for rule in RULES if rule.code == code):
-        texts = [_open(cause) for cause in (*rule.causes, *rule.causes_below)]
+    for rule in RULES:
+        if rule.code != code:
+            continue
+        texts = [_without_values(cause) for cause in (*rule.causes, *rule.causes_below)]
         causes, purposes = [text for text in texts if text != "..."], ", ".join(rule.purposes)
         rows += [
             ("measures", f"{rule.title}, in {rule.unit}" if rule.unit != "1" else rule.title),
             ("expected", f"{_range(rule.low, rule.high)} ({purposes}), {_ELSE[rule.consequence]}"),
             *(("or" if i else "likely", cause) for i, cause in enumerate(causes)),
-            ("what to do", _open(rule.do)),
+            ("what to do", _without_values(rule.do)),
         ]
     return [row for row in rows if row[1]]
 
 
-def _open(text: str) -> str:
-    """Return a text with dots in place of the values of a log."""
+def _without_values(text: str) -> str:
+    """Return a text with dots in place of the values of a log, which stand in braces."""
     return re.sub(r"\{\w+[^{}]*\}", "...", text)
 
 

@@ -36,17 +36,17 @@ _OF_LATEX = (
     (r"\\(left|right)\b", ""),
     (r"\\([A-Za-z]+)", r"\1"),
 )
-"""Patterns of LaTeX and what replaces them; innermost parts first."""
+"""Patterns of LaTeX and what replaces them, in this order: innermost parts first."""
 
 
 @dataclass(frozen=True)
 class _Page:
-    """A page of the manual: ``name`` of its file, title, what it is ``about``, and its group."""
+    """A page of the manual, as `index.md` lists it."""
 
-    name: str
+    name: str  # of its file
     title: str
-    about: str
-    group: str
+    about: str  # a sentence
+    group: str  # heading in `index.md`
 
     @property
     def text(self) -> str:
@@ -59,10 +59,11 @@ def contents() -> dict[str, _Page]:
     """Return the pages by name, in the order of `index.md`."""
     pages, group = {}, ""
     for line in (FOLDER / "index.md").read_text(encoding="utf-8").splitlines():
-        if row := _ROW.fullmatch(line):
-            group = row["group"] or group
-            if row["name"]:
-                pages[row["name"]] = _Page(row["name"], row["title"], row["about"], group)
+        row = _ROW.fullmatch(line)
+        if row and row["group"]:
+            group = row["group"]
+        elif row:
+            pages[row["name"]] = _Page(row["name"], row["title"], row["about"], group)
     return pages
 
 
@@ -72,10 +73,10 @@ def for_terminal(text: str) -> str:
     >>> for_terminal("$F_{zf}$ of [a ramp](ramp.md#the-drive)")
     'F_zf of a ramp (`brake-cal manual ramp`)'
     """
-    return _PIECE.sub(_shown, text)
+    return _PIECE.sub(_in_terminal, text)
 
 
-def _shown(piece: re.Match[str]) -> str:
+def _in_terminal(piece: re.Match[str]) -> str:
     """Return what a terminal shows in place of a `_PIECE`."""
     if piece["equation"]:
         return "".join(f"\n    {_plain(line)}" for line in piece["equation"].splitlines()) + "\n"
@@ -85,7 +86,7 @@ def _shown(piece: re.Match[str]) -> str:
         return f"Picture: {piece['caption']}, `{sample_logs() / piece['picture']}`"
     if piece["page"]:
         return f"{piece['words']} (`brake-cal manual {piece['page']}`)"
-    return piece["here"] or piece[0]
+    return piece["here"] or piece[0]  # words of a link in the page, or code
 
 
 def _plain(latex: str) -> str:

@@ -1,4 +1,4 @@
-"""Facts of a check: for what each log can be used, and what it holds."""
+"""Facts of a check: for what each log can be used, what speaks against it, and what it holds."""
 
 from collections.abc import Sequence
 
@@ -6,42 +6,40 @@ from calib.base.plain import counted
 from calib.plausibility.check import Findings, contents
 from calib.show.facts import Facts, Row
 
-_WORDS = {"coast": "fit as a coast log"}
-"""Purposes that another text names."""
-
 
 def check_facts(findings: Sequence[Findings]) -> Facts:
     """Return a line for each log, a part with its content, and what to do with a single log."""
     warnings = findings[0].warnings if len(findings) == 1 else ()
     return Facts(
-        notes=[line(log) for log in findings],
+        notes=[_line(log) for log in findings],
         next=warnings[0].do if warnings else "",
         parts=[Facts(title=log.run.log.source, rows=_rows(log)) for log in findings],
     )
 
 
-def line(findings: Findings) -> str:
-    """Return the verdict on a log, why it makes no table, and the titles of its warnings."""
+def _line(findings: Findings) -> str:
+    """Return the verdict on a log, why no table can be fitted, and the titles of its warnings."""
     why, titles = _why(findings), dict.fromkeys(warning.title for warning in findings.warnings)
     texts = [why] if why else []
     if titles:
         texts.append(f"{counted(len(titles), 'warning')}: {', '.join(titles)}")
-    usable = [verdict.purpose for verdict in findings.verdicts if verdict.usable]
-    purposes = [_WORDS.get(purpose, purpose) for purpose in usable]
-    verdict = f"usable for {', '.join(purposes)}" if purposes else "not usable"
+    purposes = ", ".join(verdict.purpose for verdict in findings.verdicts if verdict.usable)
+    usable = f"usable for {purposes.replace('coast', 'fit as a coast log')}"
+    verdict = usable if purposes else "not usable"
     return "; ".join([f"{verdict}: {findings.run.log.source}", *texts])
 
 
 def _why(findings: Findings) -> str:
-    """Return the reason why a braking makes no table, or a log is of no use; "" for none."""
+    """Return why a braking cannot be fitted, or why a log is of no use; "" if neither is so."""
     verdicts, brakings = findings.verdicts, findings.run.events
     fit = next(verdict for verdict in verdicts if verdict.purpose == "fit")
     if fit.usable or (findings.usable and not brakings):
         return ""
     reasons = fit.reasons if brakings else min((v.reasons for v in verdicts), key=len)
     more = f" (and {len(reasons) - 1} more)" if len(reasons) > 1 else ""
-    if findings.usable:  # without what to do about it
-        return f"no fit: {reasons[0].partition('; ')[0]}{more}"
+    if findings.usable:
+        reason, _, _ = reasons[0].partition("; ")  # the second half says what to do
+        return f"no fit: {reason}{more}"
     return f"{reasons[0]}{more}"
 
 

@@ -6,8 +6,6 @@ a log                       its channels
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
-from functools import partial
 
 from calib.car.vehicle import Vehicle
 from calib.estimation.limits import DEFAULTS, Limit
@@ -29,22 +27,25 @@ def sheets(
 ) -> Iterator[Sheet]:
     """Yield the sheets of a table and logs, or of logs alone.
 
-    ``vehicle`` replaces the nominal pads, ``limits`` judge a stop. Raises LogError and VehicleError
-    as `validate_one`.
+    Stops are judged by ``limits``, with the nominal pads of ``vehicle`` in place of the table's.
+    Raises LogError and VehicleError as `validate_one`.
     """
     if stored is None:
         yield from map(_of_log, logs)
     else:
-        parents = [(run, stored.table.provenance.fitted_log_of(run)) for run in logs]
-        ramps = [run for run, parent in parents if parent and parent.role == "ramp"]
+        roles = []  # role of each log in the fit of the table, "" for other logs
+        for run in logs:
+            parent = stored.table.provenance.fitted_log_of(run)
+            roles.append(parent.role if parent else "")
+        ramps = [run for run, role in zip(logs, roles, strict=True) if role == "ramp"]
         if ramps or not logs:
             measured = tuple(measure(stored.table, ramp) for ramp in ramps)
             yield table.table_sheet(stored.table, stored.id, measured)
-        for run, parent in parents:
-            if parent is None:
+        for run, role in zip(logs, roles, strict=True):
+            if not role:
                 result = validate_one(stored.table, run, vehicle, limits)
                 yield stop.of_validation(result, stored.id, vehicle)
-            elif parent.role != "ramp":
+            elif role != "ramp":
                 yield _of_log(run)  # a coast has no braked sample
 
 
@@ -54,13 +55,10 @@ def _of_log(run: Log) -> Sheet:
 
 def sheet_facts(drawn: Sequence[Sheet], figure: str | None = None) -> Facts:
     """Return the sheets as facts of a page, with the panel ``figure`` of each or all panels."""
-    names = [figure] if figure else []
-    parts = [
-        Facts(
-            sheet.title,
-            headline=sheet.result,
-            pictures=[Picture(sheet.note, partial(replace, sheet), names or sheet.laid_out)],
-        )
-        for sheet in drawn
-    ]
+    parts = [_part(sheet, [figure] if figure else sheet.laid_out) for sheet in drawn]
     return parts[0] if len(parts) == 1 else Facts(f"{len(parts)} sheets", parts=parts)
+
+
+def _part(sheet: Sheet, names: Sequence[str]) -> Facts:
+    picture = Picture(sheet.note, lambda: sheet, names)
+    return Facts(sheet.title, headline=sheet.result, pictures=[picture])

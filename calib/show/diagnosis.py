@@ -1,7 +1,8 @@
 """Facts of a diagnosis: the verdict, the named effects, the gap on the hold-outs.
 
-The gap is the difference of open-loop replays from what the hold-outs measured; `diagnosis.json`
-has more figures.
+The gap is what open-loop replays of the hold-outs differ from the measurement, before the effects
+were added and after. An empirical term fits what no named effect explains, over its driver, the
+quantity that it depends on.
 """
 
 from calib.base.plain import counted
@@ -10,7 +11,7 @@ from calib.car.effects.catalogue import definition
 from calib.diagnosis.diagnosis import Diagnosis, Named
 from calib.diagnosis.replays import CHANNELS, UNITS
 from calib.diagnosis.verdict import FREQUENCY, SLIP, WHEEL_ANGLE
-from calib.show.diagnosis_figure import diagnosis_sheet, moved, worst
+from calib.show.diagnosis_figure import diagnosis_sheet, has_changed, worst
 from calib.show.facts import FAILED, PASSED, WARNING, Facts, Picture, Row, Table
 from calib.show.numbers import estimate, listed, spaced, span
 
@@ -24,8 +25,7 @@ KINDS = {
     "unknown": ("Unknown cause", FAILED),
     "within_noise": ("Within the noise", PASSED),
 }
-"""Words and verdict of each outcome; "rest": something remains that no effect explains."""
-
+"""Words and verdict of each `outcome`."""
 _DRIVERS = {
     "temperature": "the temperature of the disc",
     "time": "the time since the brake bit",
@@ -36,9 +36,9 @@ _DRIVERS = {
     FREQUENCY: "nothing but time: it swings",
     SLIP: "the slip, as brake control does",
 }
-"""Drivers of an unknown cause in words; any other driver is its own word."""
+"""Drivers of empirical terms in words; any other driver is its own word."""
 _WITHIN = 1.0
-"""Largest gap over the sensors' noise [1] that is no sign of an unknown cause."""
+"""Smallest gap over the sensors' noise [1] that speaks for an unknown cause."""
 _SPEED = "Speed of the open-loop replays of the hold-outs less the measured one."
 _LARGEST = "Replay less measurement of {}, the log with the largest gap; the band is the noise."
 _GAP = "By log and channel, over the noise of the sensors, after the noise was subtracted."
@@ -55,11 +55,6 @@ _INNOVATION = "mean squared innovation (1 = noise)"
 def diagnosis_facts(diagnosis: Diagnosis) -> Facts:
     """Return the verdict, a part for each named effect, the gap and the base parameters."""
     word, verdict = KINDS[outcome(diagnosis)]
-
-    def picture(caption: str, *panels: str) -> Picture:
-        return Picture(caption, lambda: diagnosis_sheet(diagnosis), panels)
-
-    pictures = [picture(_TERM, "term")] if diagnosis.unexplained else []
     rows = (
         ("gap", _gap_in_words(diagnosis)),
         *((spaced(effect.name), _parameters(effect)) for effect in diagnosis.effects),
@@ -67,28 +62,34 @@ def diagnosis_facts(diagnosis: Diagnosis) -> Facts:
         ("Not named", _withdrawn(diagnosis)),
         ("Unexplained", unexplained(diagnosis)),
     )
+    next_step = _FIT if diagnosis.verdict == "named" else ""
     separating = [effect.separate_by for effect in diagnosis.effects if effect.separate_by]
-    following = _FIT if diagnosis.verdict == "named" else ""
+    if diagnosis.verdict == "ambiguous" and separating:
+        next_step = separating[0]
+    term = [_picture(diagnosis, _TERM, "term")] if diagnosis.unexplained else []
     return Facts(
         diagnosis.model_before.vehicle.name,
-        headline=_verdict_of(diagnosis),
+        headline=_headline(diagnosis),
         verdict=verdict,
         word=word,
         rows=[row for row in rows if row[1]],
-        next=separating[0] if separating and diagnosis.verdict == "ambiguous" else following,
+        next=next_step,
         warnings=diagnosis.warnings,
-        pictures=[picture(_SPEED, "speed")],
+        pictures=[_picture(diagnosis, _SPEED, "speed")],
         parts=[
             *(_effect(effect, diagnosis) for effect in diagnosis.effects),
-            Facts("What no effect explains", pictures=pictures),
+            Facts("What no effect explains", pictures=term),
             _gap(diagnosis),
             Facts("What it rests on", tables=[_base(diagnosis)]),
         ],
     )
 
 
+def _picture(diagnosis: Diagnosis, caption: str, *panels: str) -> Picture:
+    return Picture(caption, lambda: diagnosis_sheet(diagnosis), panels)
+
+
 def _gap_in_words(diagnosis: Diagnosis) -> str:
-    """Return the gap over the noise, before and after the effects were added."""
     gap, hold_outs = diagnosis.gap, counted(len(diagnosis.measured), "hold-out")
     if diagnosis.verdict == "no_gap":
         return f"{gap.rms_before:.1f} times the noise, on {hold_outs}"
@@ -105,9 +106,10 @@ def _parameters(effect: Named) -> str:
 
 
 def outcome(diagnosis: Diagnosis) -> str:
-    """Return the verdict after the hold-outs, a key of `KINDS`.
+    """Return the verdict after a look at the gap on the hold-outs, a key of `KINDS`.
 
-    "named" needs a smaller gap on the hold-outs and no other cause, "unknown" needs a gap.
+    "worse": the named effects do not make it smaller. "rest", "ambiguous_rest": something remains
+    that no effect explains. "within_noise": there is no gap that an unknown cause could explain.
     """
     if diagnosis.verdict == "unknown" and diagnosis.gap.rms_before < _WITHIN:
         return "within_noise"
@@ -120,19 +122,19 @@ def outcome(diagnosis: Diagnosis) -> str:
     return "rest" if diagnosis.verdict == "named" else "ambiguous_rest"
 
 
-def _verdict_of(diagnosis: Diagnosis) -> str:
+def _headline(diagnosis: Diagnosis) -> str:
     if diagnosis.verdict == "no_gap":
         return "These logs show nothing that is missing from the model."
     if diagnosis.verdict in ("named", "ambiguous"):
         names = [effect.name for effect in diagnosis.effects]
-        of_file = [name for name in names if name in diagnosis.model_before.effects]
-        missing = [name for name in names if name not in of_file]
+        in_file = [name for name in names if name in diagnosis.model_before.effects]
+        missing = [name for name in names if name not in in_file]
         sentences = [f"Missing from the model: {listed(missing)}"] if missing else []
-        sentences += [f"Of another size than in the file: {listed(of_file)}"] if of_file else []
+        sentences += [f"Of another size than in the file: {listed(in_file)}"] if in_file else []
         text = ". ".join(sentences)
         if diagnosis.verdict == "ambiguous":
-            others = {n for effect in diagnosis.effects for n in effect.indistinguishable_from}
-            rivals = listed(sorted(others - set(names)), "or")
+            alike = {name for x in diagnosis.effects for name in x.indistinguishable_from}
+            rivals = listed(sorted(name for name in alike if name not in names), "or")
             text += f", or else {rivals}; these logs cannot tell which"
         return f"{text}, and something else." if diagnosis.unexplained else f"{text}."
     if outcome(diagnosis) == "within_noise":
@@ -145,15 +147,16 @@ def _verdict_of(diagnosis: Diagnosis) -> str:
 
 
 def _effect(effect: Named, diagnosis: Diagnosis) -> Facts:
+    """Return the part of a named effect: its cause, where it acts, and the evidence for it."""
     card = definition(diagnosis.model_before.vehicle.effects, effect.name).card
-    region = effect.where
+    region, runner_up = effect.where, effect.runner_up
     ranges = [span(region.pressure, "Pa"), span(region.speed, "m/s")]
     if region.temperature is not None:
         ranges.append(f"discs of {span(region.temperature, 'degC')}")
-    without = diagnosis.reduced_after + effect.evidence.innovation_gain
-    at_hold_outs, runner_up = effect.evidence.innovation_gain_holdout, effect.runner_up
-    evidence = f"without it the {_INNOVATION} is {without:.3f} instead of "
-    evidence += f"{diagnosis.reduced_after:.3f}, on the hold-outs {at_hold_outs:.2f} more"
+    with_effect = diagnosis.reduced_after
+    without = with_effect + effect.evidence.innovation_gain
+    evidence = f"without it the {_INNOVATION} is {without:.3f} instead of {with_effect:.3f}"
+    evidence += f", on the hold-outs {effect.evidence.innovation_gain_holdout:.2f} more"
     if runner_up is not None:
         innovation = diagnosis.reduced_before - runner_up.innovation_gain
         evidence += f"; next best: {spaced(runner_up.name)}, {innovation:.3f}"
@@ -181,8 +184,9 @@ def _withdrawn(diagnosis: Diagnosis) -> str:
     """Return the effects that were rejected, with the reasons; "" without any."""
     worse = "; ".join(listed(names) for names in diagnosis.withdrawn)
     reasons = [f"{worse}: worse on the hold-outs"] if worse else []
-    if diagnosis.verdict == "unknown" and (last := diagnosis.steps[-1]):
-        reasons.append(f"{listed(last)}: explains less than an empirical term alone")
+    last_search = diagnosis.steps[-1]
+    if diagnosis.verdict == "unknown" and last_search:
+        reasons.append(f"{listed(last_search)}: explains less than an empirical term alone")
     return "; ".join(reasons)
 
 
@@ -203,30 +207,28 @@ def unexplained(diagnosis: Diagnosis) -> str:
         sentences.append(f"{100.0 * cause.turning:.0f} % of it turns with the {cause.axle} wheels")
     if cause.wheel is not None:
         sentences.append(f"the {spaced(cause.wheel)} wheel is slower than the other of its axle")
-    if (limit := cause.held_from) is not None and cause.driver != FREQUENCY:
-        sentences.append(
-            f"above {limit / BAR:.0f} bar the brake torque hardly rises: brake control or a valve"
-        )
+    if cause.held_from is not None and cause.driver != FREQUENCY:
+        limit = f"above {cause.held_from / BAR:.0f} bar"
+        sentences.append(f"{limit} the brake torque hardly rises: brake control or a valve")
     return "; ".join(sentences)
 
 
 def _gap(diagnosis: Diagnosis) -> Facts:
     """Return the part with the gap by hold-out and channel, over the noise of each channel."""
-    has_changed, gap = moved(diagnosis), diagnosis.gap
-    rows: list[tuple[str, ...]] = []
+    gap, rows = diagnosis.gap, list[tuple[str, ...]]()
     for i, log in enumerate(gap.logs, 1):
         ends = [gap.rms(log, channel) for channel in (None, *CHANNELS)]
         cells = [f"{before:.1f}" for before, _ in ends]
-        if has_changed:
+        if has_changed(diagnosis):
             cells = [f"{before:.1f} to {after:.1f}" for before, after in ends]
         rows.append((f"{i} {log}", *cells))
     noises = (f"{x:.4f} {UNITS[name]}" for name, x in zip(CHANNELS, gap.noise, strict=True))
     rows.append(("noise", "1", *noises))
     caption = _LARGEST.format(diagnosis.measured[worst(diagnosis)].name)
     return Facts(
-        f"The gap on the hold-outs{', before to after' if has_changed else ''}",
+        f"The gap on the hold-outs{', before to after' if has_changed(diagnosis) else ''}",
         tables=[Table(("log", "all", *CHANNELS), rows, _GAP)],
-        pictures=[Picture(caption, lambda: diagnosis_sheet(diagnosis), ["acceleration", "split"])],
+        pictures=[_picture(diagnosis, caption, "acceleration", "split")],
     )
 
 

@@ -28,7 +28,7 @@ _LETTERS = 30
 
 
 def diagnosis_sheet(diagnosis: Diagnosis) -> Sheet:
-    """Return the sheet of a diagnosis."""
+    """Return the sheet of a diagnosis: speed of all hold-outs, the rest of the worst one."""
     name, log = diagnosis.model_before.vehicle.name, [worst(diagnosis)]
     logs, (weights, words) = range(len(diagnosis.measured)), _split_of(diagnosis)
     panels = (
@@ -51,7 +51,7 @@ def diagnosis_sheet(diagnosis: Diagnosis) -> Sheet:
     )
 
 
-def moved(diagnosis: Diagnosis) -> bool:
+def has_changed(diagnosis: Diagnosis) -> bool:
     """Return whether the diagnosis changed the replays."""
     return diagnosis.gap.rms_before != diagnosis.gap.rms_after
 
@@ -63,7 +63,7 @@ def worst(diagnosis: Diagnosis) -> int:
 
 
 def _term(term: EmpiricalTerm) -> Panel:
-    """Return the panel of the empirical term over its driver, the quantity that it depends on."""
+    """Return the panel of an empirical term over its driver, the quantity that it depends on."""
     unit = DRIVERS[term.driver]
     x = f"{term.driver} [{with_unit('', unit).strip() or '1'}]"
     y = f"change of {'brake torque' if term.on_brakes else 'force over weight'} [%]"
@@ -73,9 +73,9 @@ def _term(term: EmpiricalTerm) -> Panel:
 
 
 def _split_of(diagnosis: Diagnosis) -> tuple[dict[str, float], str]:
-    """Return weights of the wheel speeds for the difference that shows the effect, and its name.
+    """Return the weights of the wheel speeds in the difference to draw, and its name.
 
-    It is the difference of the axles, or of the sides of an axle.
+    It is the difference of the sides of an axle if a named effect acts there, else of the axles.
     """
     channels = {effect.where.channel for effect in diagnosis.effects}
     for axle in ("front", "rear"):
@@ -100,32 +100,33 @@ def _errors(
     """
     noises = [w * diagnosis.gap.noise[CHANNELS.index(channel)] for channel, w in weights.items()]
     half, start = Z95 * math.hypot(*noises), 0.0
+    band = np.full(2, -half), np.full(2, half)
     lines, names = list[Line](), []
     replays = [
         ("after", diagnosis.replays_after, IDENTIFIED),
         ("before", diagnosis.replays_before, NOMINAL),
     ]
-    if not moved(diagnosis):
+    if not has_changed(diagnosis):
         replays = [("replay", diagnosis.replays_before, NOMINAL)]
     duration = sum(float(np.ptp(diagnosis.measured[i].time)) for i in logs)
     for i in logs:
-        measured, first = diagnosis.measured[i], not lines
+        measured, is_first = diagnosis.measured[i], not lines  # the legend names the first log's
         end = start + float(measured.time[-1] - measured.time[0])
-        band = np.full(2, -half), np.full(2, half)
-        lines.append(Line([start, end], [0.0, 0.0], _NOISE, "noise, 95 %" if first else "", band))
-        for label, logs_of_replay, stroke in replays:
+        label = "noise, 95 %" if is_first else ""
+        lines.append(Line([start, end], [0.0, 0.0], _NOISE, label, band))
+        for word, logs_of_replay, stroke in replays:
             replay = logs_of_replay[i]
             n = min(replay.time.size, measured.time.size)
             error = sum(w * (replay[c][:n] - measured[c][:n]) for c, w in weights.items())
             time = measured.time[:n] - measured.time[0]
             stride = samples_in(_STEP, measured.sample_time)
-            shown = smooth(time, np.asarray(error))[::stride]
-            lines.append(Line(start + time[::stride], shown, stroke, label if first else ""))
+            mean = smooth(time, np.asarray(error))[::stride]
+            lines.append(Line(start + time[::stride], mean, stroke, word if is_first else ""))
         letters = min(_LETTERS, int(2 * _LETTERS * (end - start) / duration))
         names.append((as_text(f"{i + 1} {measured.name}"[:letters]), start))
         start = end + _PAUSE
-    drawn = [np.asarray(line.y) for line in lines]
-    ends = axis_ends(*drawn, np.array([-half, half]), margin=0.2) or (-half, half)
+    values = [np.asarray(line.y) for line in lines]
+    ends = axis_ends(*values, np.array([-half, half]), margin=0.2) or (-half, half)
     texts = [(text, x, ends[1]) for text, x in names]
     x = "time, one log after another [s]" if len(logs) > 1 else "time [s]"
     return Panel(name, title, x, f"replay less measured {unit}", lines, texts=texts, ylim=ends)

@@ -1,9 +1,9 @@
-"""Facts: what is said of a result, once for the terminal and for the page.
+"""Facts: the texts, tables and pictures that present a result, on a terminal and on a page.
 
     a result --facts_of--> Facts --calib.show.terminal--> lines and grids
                                  --calib.show.html------> one HTML file
 
-A page shows all facts. A terminal prints no pictures, and the parts only with -v; the command
+A page shows all facts. A terminal shows no pictures, and the parts only with -v; the command
 prints the warnings on stderr.
 """
 
@@ -21,40 +21,32 @@ if TYPE_CHECKING:
     from calib.show.sheet import Sheet
 
 DIR = "DIR"
-"""Placeholder of the folder of --out in the text of the next step."""
+"""Placeholder for the folder of --out in `Facts.next`."""
 Row = tuple[str, str]
 """A name and its text."""
 PASSED, WARNING, FAILED, UNJUDGED = "passed", "warning", "failed", "unjudged"
 """Verdicts, which colour the head of a page, a section or a row; "" for none."""
-_NUMBER = re.compile(r"[+-]?(\d[\d.]*(e[+-]\d+)?)?")
-"""Pattern of a number, of a sign alone and of an empty text."""
 WORDS = {PASSED: "Passed", WARNING: "Passed with warnings", FAILED: "Failed"}
 """Verdicts as people say them."""
+_NUMBER = re.compile(r"[+-]?(\d[\d.]*(e[+-]\d+)?)?")
+"""Pattern of a number, and of "-", which stands for no value."""
 
 
 @dataclass(frozen=True)
 class Table:
-    """A table of texts; the first cell of a row names the row.
-
-    Attributes
-    ----------
-    heads, rows : heads of the columns, and the cells of each row.
-    caption : a sentence above the table.
-    verdicts : verdict of each row, "" for none; () if no row has one.
-    links, images : addresses of a link and of a picture in the first cell of each row, "" for none;
-        () if no row has one.
-    """
+    """A table of texts; the first cell of a row names the row."""
 
     heads: Sequence[str]
     rows: Sequence[Sequence[str]]
-    caption: str = ""
+    caption: str = ""  # a sentence above the table
+    # for each row, "" for none; () if no row has one
     verdicts: Sequence[str] = ()
-    links: Sequence[str] = ()
-    images: Sequence[str] = ()
+    links: Sequence[str] = ()  # address that the first cell leads to
+    images: Sequence[str] = ()  # address of a picture in the first cell
 
     @cached_property
     def numeric(self) -> tuple[bool, ...]:
-        """Whether each column holds numbers, by the first word of its cells; the first one not.
+        """Whether each column holds numbers, by the first words of its cells; the first never does.
 
         >>> Table(("log", "valid"), [("stop", "95 %"), ("bend", "-")]).numeric
         (False, True)
@@ -69,7 +61,7 @@ class Table:
 
 @dataclass(frozen=True)
 class Picture:
-    """A picture of a page: of the sheet that ``make`` returns the panels ``names``, () for all."""
+    """A picture of a page: the panels ``names``, () for all, of the sheet that ``make`` returns."""
 
     caption: str
     make: "Callable[[], Sheet]"
@@ -78,49 +70,36 @@ class Picture:
 
 @dataclass(frozen=True)
 class Facts:
-    """What is said of a result, or of a part of a result; empty fields are not shown.
-
-    Attributes
-    ----------
-    title : title of the page or of the part.
-    headline : the result in a sentence or two.
-    verdict : `PASSED`, `WARNING`, `FAILED` or `UNJUDGED`.
-    word : the verdict as people say it.
-    numbers : the most important numbers, each with its name.
-    rows : other names with their texts.
-    tables, notes, warnings, pictures : as their names say.
-    next : what to do next; a command where there is one.
-    parts : details, such as those of each stop.
-    """
+    """What is said of a result, or of a part of a result; empty fields are not shown."""
 
     title: str = ""
-    headline: str = ""
-    verdict: str = ""
-    word: str = ""
-    numbers: Sequence[Row] = ()
-    rows: Sequence[Row] = ()
+    headline: str = ""  # the result in a sentence or two
+    verdict: str = ""  # `PASSED`, `WARNING`, `FAILED` or `UNJUDGED`
+    word: str = ""  # the verdict as people say it
+    numbers: Sequence[Row] = ()  # the most important numbers
+    rows: Sequence[Row] = ()  # other names with their texts
     tables: Sequence[Table] = ()
-    notes: Sequence[str] = ()
-    next: str = ""
+    notes: Sequence[str] = ()  # further sentences
+    next: str = ""  # what to do next; a command if there is one for it
     warnings: Sequence[PlausibilityWarning] = ()
     pictures: Sequence[Picture] = ()
-    parts: "Sequence[Facts]" = ()
+    parts: "Sequence[Facts]" = ()  # details, such as those of each stop
 
     @property
     def verdict_line(self) -> str:
         """The verdict and the headline in one line; "" without both."""
         return ": ".join(text for text in (self.word, self.headline) if text)
 
-    def written(self, folder: Path | None) -> "Facts":
+    def with_folder(self, folder: Path | None) -> "Facts":
         """Return the facts with the ``folder`` of --out in place of `DIR` in the next step."""
         return self if folder is None else replace(self, next=self.next.replace(DIR, str(folder)))
 
     @property
-    def filled(self) -> bool:
+    def has_content(self) -> bool:
         """Whether there is anything below the title."""
-        filled = [self.headline, self.numbers, self.rows, self.notes, self.warnings, self.pictures]
-        filled += [table.rows for table in self.tables]
-        return any(filled) or any(part.filled for part in self.parts)
+        fields = [self.headline, self.numbers, self.rows, self.notes, self.warnings, self.pictures]
+        fields += [table.rows for table in self.tables]
+        return any(fields) or any(part.has_content for part in self.parts)
 
 
 _FACTS = {
@@ -134,11 +113,11 @@ _FACTS = {
     "Validated": "validation:validation_facts",
     "Vehicle": "vehicle:vehicle_facts",
 }
-"""Module and function that tell a result, by the name of the result's class."""
+"""Module and function that make the facts of a class of results; imported when needed."""
 
 
 def facts_of(result: object) -> Facts:
-    """Return the facts of a result by the function of its class; Facts are returned as they are.
+    """Return the facts of a result, which may be facts already.
 
     Raises KeyError for a class that `_FACTS` does not have.
     """

@@ -1,4 +1,4 @@
-"""Facts of a fit: those of its table, with the curves, the measured points and the inputs."""
+"""Facts of a fit: those of its table, and the curves, the measured points and the inputs."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -12,7 +12,7 @@ from calib.logs.log import Log
 from calib.plan.achieved import Achieved
 from calib.plan.achieved import document as achieved_document
 from calib.show.facts import PASSED, WARNING, Facts, Picture
-from calib.show.origin import origin
+from calib.show.judged import origin
 from calib.show.plan import achieved_facts
 from calib.show.ramp import measure
 from calib.show.sheet import Sheet
@@ -28,39 +28,39 @@ _CURVES = "The curves of the table with their 95 % bands, and the measured point
 
 @dataclass(frozen=True)
 class Fitted:
-    """A version of a table, fitted on a car of ``mass`` from ``ramps`` and ``files`` by role.
-
-    ``reached`` compares the table with a plan; None without one.
-    """
+    """A version of a table that was fitted, and what it was fitted from."""
 
     stored: Stored
     mass: MassUsed
     ramps: Sequence[Log]
-    files: Mapping[str, Path]
-    reached: Achieved | None = None
+    files: Mapping[str, Path]  # other inputs by their roles
+    reached: Achieved | None = None  # the widths beside those of a plan, None without a plan
 
 
 def fit_facts(fitted: Fitted) -> Facts:
     """Return whether the table may be used, what limits it, and what it is made of."""
     stored, table = fitted.stored, fitted.stored.table
+    facts = table_facts(stored)
     logs = [(log.role, log.name, log.digest) for log in table.provenance.logs]
-    count, of_table = len(table.warnings), table_facts(stored)
+    verdict, word = PASSED, "Fitted"
+    if table.warnings:
+        verdict, word = WARNING, f"Fitted, with {counted(len(table.warnings), 'warning')}"
 
     def curves() -> Sheet:
         return table_sheet(table, stored.id, tuple(measure(table, log) for log in fitted.ramps))
 
     return replace(
-        of_table,
+        facts,
         title=f"Table {stored.id}",
-        verdict=WARNING if count else PASSED,
-        word=f"Fitted, with {counted(count, 'warning')}" if count else "Fitted",
+        verdict=verdict,
+        word=word,
         warnings=table.warnings,
-        rows=[*of_table.rows, ("unseen errors", unseen_line(_unseen(fitted)))],
+        rows=[*facts.rows, ("unseen errors", unseen_line(_unseen(fitted)))],
         pictures=[Picture(_CURVES, curves)],
         parts=[
             *([achieved_facts(fitted.reached)] if fitted.reached else []),
             Facts("The car", rows=[("mass", str(fitted.mass))]),
-            *of_table.parts,
+            *facts.parts,
             origin(stored, logs, date.today().isoformat(), fitted.files),
         ],
     )

@@ -1,7 +1,7 @@
 """Facts of a fleet, the logs of many drives, and the picture of one metric, log by log.
 
-A picture has a point for each log, the median and the range of 90 % of the logs. A value beyond the
-axis is drawn at the end of the axis.
+An outlier is a log that stands apart from the others in one metric. A picture has a point for each
+log, the median and the range of 90 % of the logs; a value beyond the axis is drawn at its end.
 """
 
 import textwrap
@@ -19,37 +19,32 @@ from calib.show.panel import Line, Panel
 from calib.show.sheet import Sheet
 from calib.show.style import BODY, NOMINAL, REAR, Array, Stroke, as_text, dots, names_below
 
-_FIRST, _NAMES = 5, 50
-"""Number of outliers, the logs that stand apart, that the head and the page name."""
+_FIRST, _MOST = 5, 50
+"""Largest number of outliers at the head of the page, and of outliers on the page."""
 _HEADS = ("metric", "logs", "median", "90 % of the logs", "stand apart")
-_HALF_WIDTHS = {
-    "front": "ecu_interval_f",
-    "rear": "ecu_interval_r",
-    "total": "ecu_interval_level",
-}
-"""Half widths of the 95 % interval of a torque over itself, by the part of the car."""
+_HALF_WIDTHS = {"front": "ecu_interval_f", "rear": "ecu_interval_r", "total": "ecu_interval_level"}
+"""Metrics that are the 95 % half width of a torque over the torque, by the part of the car."""
 _ALONE = "none: it is a log of the fit, or run the command on it alone"
 """Text of a log that failed without a broken limit."""
 _THIN: Stroke = {"color": BODY["color"], "linewidth": 0.8}
 _LETTERS, _NAMED = 32, 8
 """Letters that fit beside a panel; largest number of logs that a picture names."""
 _TAIL, _FEWEST = 6.0, 10
-"""Distance of an axis' end from the median, over the scale of the values [1], and for how many
-values; an axis of fewer values shows all."""
+"""Largest distance of an axis' end from the median, over `MetricSummary.scale`, and the fewest
+values to which it applies."""
 
 
 def fleet_facts(summary: Summary) -> Facts:
     """Return the facts of a fleet; the logs that failed or stand apart come first."""
     metrics = [metric for metric in summary.metrics if metric.values.size]
-    drawn = [metric for metric in metrics if metric.outlying.any()]
     apart = [
-        (log, "; ".join(_reason(summary, outlier) for outlier in reasons))
-        for log, reasons in summary.outliers.items()
+        (log, "; ".join(_reason(summary, outlier) for outlier in outliers))
+        for log, outliers in summary.outliers.items()
     ]
     errors = [(x.message, str(x.count), ", ".join(x.logs)) for x in summary.failures]
-    failed = [(log, _limits(why)) for log, why in summary.failed.items()]
+    failed = [(log, _limits(keys)) for log, keys in summary.failed.items()]
     more = f" and {len(failed) - _FIRST} more" if len(failed) > _FIRST else ""
-    first: list[Row] = [("failed", ", ".join(log for log, _ in failed[:_FIRST]) + more)]
+    first_failed = ", ".join(log for log, _ in failed[:_FIRST]) + more
     return Facts(
         "Fleet",
         headline=summary.headline,
@@ -58,10 +53,13 @@ def fleet_facts(summary: Summary) -> Facts:
             ("logs", str(len(summary.logs))),
             *((status, str(count)) for status, count in summary.status.items()),
         ],
-        rows=[*_torque(metrics), *(first if failed else []), *apart[:_FIRST]],
-        notes=[f"one recording, counted {len(g)} times: {', '.join(g)}" for g in summary.copies],
+        rows=[*_torque(metrics), *([("failed", first_failed)] if failed else []), *apart[:_FIRST]],
+        notes=[
+            f"one recording, counted {len(logs)} times: {', '.join(logs)}"
+            for logs in summary.copies
+        ],
         parts=[
-            Facts("All that stands apart", rows=apart[:_NAMES] if len(apart) > _FIRST else ()),
+            Facts("All that stands apart", rows=apart[:_MOST] if len(apart) > _FIRST else ()),
             Facts(
                 "Logs that failed, or are without a result",
                 tables=[
@@ -70,16 +68,16 @@ def fleet_facts(summary: Summary) -> Facts:
                 ],
             ),
             Facts("All metrics", tables=[Table(_HEADS, list(map(_row, metrics)))]),
-            Facts("Metrics to look at", parts=[_metric(summary, metric) for metric in drawn]),
+            Facts(
+                "Metrics to look at",
+                parts=[_metric(summary, metric) for metric in metrics if metric.outlying.any()],
+            ),
         ],
     )
 
 
 def _torque(metrics: list[MetricSummary]) -> list[Row]:
-    """Return the relative 95 % half widths of the ECU's torque in the median stop, as one row.
-
-    They equal those of the pads, as torque is proportional to pad friction.
-    """
+    """Return one row with the relative 95 % half widths of the ECU's torque in the median stop."""
     medians = {metric.column.name: metric.median for metric in metrics}
     halves = [
         f"{side} ±{NBSP}{metric_of(name).with_unit(medians[name])}"
@@ -90,7 +88,7 @@ def _torque(metrics: list[MetricSummary]) -> list[Row]:
 
 
 def _limits(keys: str) -> str:
-    """Return the names of metrics whose ``keys`` are joined by commas."""
+    """Return the names of metrics by their ``keys``, which commas separate."""
     return ", ".join(metric_of(key.strip()).name for key in keys.split(",")) if keys else _ALONE
 
 
@@ -100,7 +98,7 @@ def _metric(summary: Summary, metric: MetricSummary) -> Facts:
 
 
 def _reason(summary: Summary, outlier: Outlier) -> str:
-    """Return why a log stands apart: `Pad friction, front 0.550: above the others, ...`."""
+    """Return why a log stands apart, such as `Pad friction, front 0.550: above the others, ...`."""
     metric = next(metric for metric in summary.metrics if metric.column.name == outlier.figure)
     text_of = _text_of(metric)
     low, high = map(text_of, metric.inlier_range)
@@ -111,12 +109,12 @@ def _reason(summary: Summary, outlier: Outlier) -> str:
 
 def _text_of(metric: MetricSummary) -> Callable[[float], str]:
     """Return the function that writes a value of a metric with its unit."""
-    shown = metric_of(metric.column.name, metric.column.unit)
-    if shown.step:
-        return shown.with_unit
-    unit, quantiles = f"{NBSP}{shown.unit}" if shown.unit else "", metric.quantiles
-    step = 0.1 * shown.factor * (quantiles["95"] - quantiles["5"])
-    return lambda value: number(shown.factor * value, step) + unit
+    printed = metric_of(metric.column.name, metric.column.unit)
+    if printed.step:
+        return printed.with_unit
+    unit = f"{NBSP}{printed.unit}" if printed.unit else ""
+    step = 0.1 * printed.factor * (metric.quantiles["95"] - metric.quantiles["5"])
+    return lambda value: number(printed.factor * value, step) + unit
 
 
 def _verdict(summary: Summary) -> str:
@@ -126,7 +124,7 @@ def _verdict(summary: Summary) -> str:
 
 
 def _row(metric: MetricSummary) -> tuple[str, ...]:
-    """Return the row of a metric: its scatter, and the number of logs that stand apart."""
+
     text_of = _text_of(metric)
     low, high = map(text_of, metric.inlier_range)
     return (
@@ -139,7 +137,7 @@ def _row(metric: MetricSummary) -> tuple[str, ...]:
 
 
 def metric_sheet(summary: Summary, metric: MetricSummary) -> Sheet:
-    """Return the sheet of one metric, in its printed unit."""
+    """Return the sheet of one metric in its printed unit, with the names of the farthest logs."""
     printed = metric_of(metric.column.name, metric.column.unit)
     factor, ends, outlying = printed.factor, window(metric), metric.outlying
     x, axis = np.asarray(metric.rows + 1, float), (0.0, len(summary.logs) + 1.0)
@@ -173,7 +171,7 @@ def metric_sheet(summary: Summary, metric: MetricSummary) -> Sheet:
 
 
 def window(metric: MetricSummary) -> tuple[float, float]:
-    """Return the ends of the axis: all values, but at most `_TAIL` scales from the median."""
+    """Return the ends of the axis, in the unit of the values: all, or those within `_TAIL`."""
     low, high = float(np.min(metric.values)), float(np.max(metric.values))
     if metric.scale > 0.0 and metric.values.size >= _FEWEST:
         tail = _TAIL * metric.scale

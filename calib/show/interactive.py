@@ -1,7 +1,6 @@
 """A sheet in the browser, drawn by Bokeh: panels that zoom together, values at the pointer.
 
-    Sheet --script--> call of `live` in templates/live.js, which draws the panels
-    source            Bokeh's own script, which a page holds once
+    Sheet --script_of--> a call of `live` in templates/live.js, which draws the panels
 
 Panels with the same x axis share its ends, its line at the pointer, and two cursors set by taps.
 """
@@ -41,7 +40,7 @@ _LEGEND = {
     "glyph_height": 12, "label_height": 12, "spacing": 8, "padding": 2, "margin": 0,
 }  # fmt: skip
 _ID = re.compile(r'(?<="id": ")p\d+(?=")|(?<=[{ ]")p\d+(?=": "sheet-)')
-"""Number of a model of Bokeh, where it stands in a document or names the place of a panel."""
+"""Id of a model of Bokeh, in a document and where it names the place of a panel."""
 _COLOURS = 64  # of a field
 _TEXT = {"text_font_size": "10px", "x_offset": 5, "y_offset": 5, "text_baseline": "top"}
 
@@ -52,42 +51,37 @@ def installed() -> bool:
 
 
 def source() -> str:
-    """Return the JavaScript of Bokeh."""
+    """Return the JavaScript of Bokeh, which a page holds once."""
     from bokeh.resources import Resources
 
     return "\n".join(Resources("inline", components=["bokeh"], minified=True).js_raw)
 
 
-def script(sheet: Sheet, places: Mapping[str, str]) -> str:
+def script_of(sheet: Sheet, places: Mapping[str, str]) -> str:
     """Return the script that draws panels, escaped for HTML.
 
     ``places`` are the ids of the elements of the page to fill, by the names of the panels.
     """
     from bokeh.document import Document
 
-    panels, drawing = {panel.name: panel for panel in sheet.panels}, _Drawing()
-    roots, document = {}, Document()
+    drawing, roots, document = _Drawing(), {}, Document()
     for name, place in places.items():
-        figure = drawing.figure(panels[name])
+        figure = drawing.figure(sheet.by_name[name])
         document.add_root(figure)
         roots[figure.id] = place
     call = f"live({json.dumps(document.to_json(deferred=False))}, {json.dumps(roots)});"
-    # Bokeh numbers all models of a process; a page counts its own
-    numbers = {id_: f"p{number}" for number, id_ in enumerate(dict.fromkeys(_ID.findall(call)))}
-    return _ID.sub(lambda id_: numbers[id_[0]], call).replace("<", "\\u003c")
+    # Bokeh counts the models of a process; equal pages need ids that count those of the page
+    ids = {id_: f"p{number}" for number, id_ in enumerate(dict.fromkeys(_ID.findall(call)))}
+    return _ID.sub(lambda id_: ids[id_[0]], call).replace("<", "\\u003c")
 
 
 class _Drawing:
-    """Figures of a sheet.
-
-    Attributes
-    ----------
-    sources : data that lines with the same x share, by the identity of the x.
-    axes : the items of `_axis`, by name, ends and words of the x axis.
-    """
+    """Figures of a sheet."""
 
     def __init__(self) -> None:
+        # data that lines with the same x share, by Python's `id` of x
         self.sources: dict[int, Any] = {}
+        # what panels with the same x axis share, by its name, ends and words
         self.axes: dict[tuple[object, ...], tuple[Any, ...]] = {}
 
     def figure(self, panel: Panel) -> Any:
@@ -97,9 +91,9 @@ class _Drawing:
 
         ends, crosshair, *cursors = self._axis(panel)
         zoom = BoxZoomTool()
-        labels = {*(x.label for x in panel.lines), *(x.label for x in panel.marks)} - {""}
+        labels = {line.label for line in panel.lines} | {mark.label for mark in panel.marks}
         fig = figure(
-            height=_HEIGHT + _ROW * math.ceil(len(labels) / panel.columns),
+            height=_HEIGHT + _ROW * math.ceil(len(labels - {""}) / panel.columns),
             sizing_mode="stretch_width",
             title=_plain(panel.title),
             x_axis_label=_plain(panel.x),
@@ -110,12 +104,12 @@ class _Drawing:
             stylesheets=[_SCROLLS],
         )
         fig.toolbar.logo, fig.toolbar.active_drag, fig.toolbar.autohide = None, zoom, True
-        shown = [self._line(fig, line) for line in panel.lines]
+        lines = [self._line(fig, line) for line in panel.lines]
         for mark in panel.marks:
             _mark(fig, mark)
         if panel.field is not None:
             _image(fig, panel, panel.field)
-        elif hover := _hover(panel, shown):
+        elif hover := _hover(panel, lines):
             fig.add_tools(hover)
             for cursor in cursors:
                 fig.add_layout(cursor)
@@ -123,9 +117,7 @@ class _Drawing:
         others = [glyph for glyph in fig.renderers if glyph not in bands]
         fig.renderers = [*reversed(bands), *others]  # the band of the first line is on top
         for text, x, y in panel.texts:
-            # a text in the right half goes to the left of its point
-            is_right_half = panel.xlim is not None and x > np.mean(panel.xlim)
-            side = {"text_align": "right", "x_offset": -5} if is_right_half else {}
+            side = {"text_align": "right", "x_offset": -5} if panel.is_in_right_half(x) else {}
             fig.text([x], [y], [_plain(text)], **_TEXT | side)
         for axis in fig.axis:
             axis.update(minor_tick_line_color=None, axis_label_text_font_style="normal")
@@ -151,10 +143,10 @@ class _Drawing:
         return self.axes[key]
 
     def _columns(self, line: Line, values: Sequence[Array]) -> tuple[Any, list[str]]:
-        """Return the data source of a line, with ``values``, (n,) each, and their names there."""
+        """Put ``values``, (n,) each, into the data source of a line; return it and their names."""
         from bokeh.models import ColumnDataSource
 
-        points = envelope(line.shown, _PARTS)
+        points = envelope(line.line_values, _PARTS)
         key = id(line.x) if points.size == len(line.x) else id(line)
         if key not in self.sources:
             self.sources[key] = ColumnDataSource({"x": np.asarray(line.x, float)[points]})
@@ -171,45 +163,45 @@ class _Drawing:
         its columns: values, lower bounds, upper bounds.
         """
         band = [np.asarray(end, float) for end in line.band or ()]
-        values = [np.asarray(line.y, float)] if line.mean else []
-        source, columns = self._columns(line, [line.shown, *band, *values])
+        raw = [np.asarray(line.y, float)] if line.mean else []
+        source, columns = self._columns(line, [line.line_values, *band, *raw])
         look, name = _look_in_bokeh(line.look), _plain(line.label)
-        more: dict[str, Any] = {"source": source}
+        common: dict[str, Any] = {"source": source}
         if name:
-            more["legend_label"] = name
+            common["legend_label"] = name
         if band:
             fill = {"fill_color": pale(look["color"]), "level": "underlay"}
-            fig.varea("x", *columns[1:3], **fill, **more)
-        if values:
-            fig.line("x", columns.pop(), color=look["color"], line_alpha=RAW, **more)
-        glyph, more["name"] = None, name
+            fig.varea("x", *columns[1:3], **fill, **common)
+        if raw:
+            fig.line("x", columns.pop(), color=look["color"], line_alpha=RAW, **common)
+        glyph, common["name"] = None, name
         if line.look.get("linestyle", "-"):
-            glyph = fig.line("x", columns[0], **look, **more)
+            glyph = fig.line("x", columns[0], **look, **common)
         if "marker" in line.look:
             marker: dict[str, Any] = {"marker": _MARKERS[line.look["marker"]]}
             marker["size"] = _PIXEL * line.look.get("ms", 6.0)
             marker["fill_color"] = line.look.get("mfc", line.look["color"])
-            glyph = fig.scatter("x", columns[0], **look, **more, **marker)
+            glyph = fig.scatter("x", columns[0], **look, **common, **marker)
         return glyph, [name, *columns]
 
 
-def _hover(panel: Panel, shown: Sequence[tuple[Any, list[str]]]) -> Any:
+def _hover(panel: Panel, lines: Sequence[tuple[Any, list[str]]]) -> Any:
     """Return the tool that tells values at the pointer; None for a panel without a named line.
 
-    ``shown`` are the results of `_Drawing._line`. The tool tells the lines that have the commonest
-    x; live.js writes the text.
+    ``lines`` are the results of `_Drawing._line`. The tool tells the lines that share the data
+    source of most lines, and so one x. live.js writes the text from the ``tags``: a row for x, and
+    one for each line, of a name and names of columns.
     """
     from bokeh.models import HoverTool
 
-    named = [(glyph, row) for glyph, row in shown if glyph and (row[0] or len(shown) == 1)]
+    named = [(glyph, row) for glyph, row in lines if glyph and (row[0] or len(lines) == 1)]
     if not named:
         return None
     commonest, _ = Counter(id(glyph.data_source) for glyph, _ in named).most_common(1)[0]
     hovered = [(glyph, row) for glyph, row in named if id(glyph.data_source) == commonest]
-    glyphs, rows = zip(*hovered, strict=True)
-    tags = [[_plain(panel.x), "x"], *([row[0] or _plain(panel.y), *row[1:]] for row in rows)]
+    tags = [[_plain(panel.x), "x"], *([row[0] or _plain(panel.y), *row[1:]] for _, row in hovered)]
     look = {"mode": "vline", "point_policy": "follow_mouse"}
-    return HoverTool(renderers=[glyphs[0]], tags=tags, **look)
+    return HoverTool(renderers=[hovered[0][0]], tags=tags, **look)
 
 
 def _image(fig: Any, panel: Panel, field: Field) -> None:
@@ -220,40 +212,40 @@ def _image(fig: Any, panel: Panel, field: Field) -> None:
 
     (left, right, bottom, top), (cmap, low, high) = field.ends, field.scale
     colours = [to_hex(colour) for colour in colormaps[cmap](np.linspace(0.0, 1.0, _COLOURS))]
-    colour = LinearColorMapper(colours, low=low, high=high, nan_color="#ffffff")
+    mapper = LinearColorMapper(colours, low=low, high=high, nan_color="#ffffff")
     place = {"x": left, "y": bottom, "dw": right - left, "dh": top - bottom, "level": "image"}
     source = ColumnDataSource({"image": [_short(field.values)]})
     if field.slider:
-        # a value is a byte, first + step * byte: more steps than there are colours
+        # value = first + step * byte; a byte has more steps than there are colours
         first, last = np.nanmin(field.slices), np.nanmax(field.slices)
         step = (last - first) / 255.0
         source.tags = [*field.slider, float(first), float(step)]
         for i, values in enumerate(field.slices):
             source.data[f"slice{i}"] = [np.nan_to_num((values - first) / step).astype("u1")]
-    image = fig.image("image", source=source, color_mapper=colour, **place)
+    image = fig.image("image", source=source, color_mapper=mapper, **place)
     fig.add_layout(image.construct_color_bar(width=12), "right")
     tags = ["", *map(_plain, (panel.x, panel.y)), *field.torques]
     fig.add_tools(HoverTool(renderers=[image], tags=tags))
 
 
 def _short(values: Array) -> Array:
-    """Return values (n,) rounded to 1 part in 4,000, with zeros in their last 12 bits.
+    """Return values (n,) rounded to 1 part in 4,000, so that they can be packed well.
 
-    These digits are noise, and zeros can be packed.
+    A float of 32 bits keeps sign, exponent and 11 bits of its fraction; the last 12 bits are 0.
     """
     bits = values.astype(np.float32).view(np.uint32)
     return ((bits + 0x800) & np.uint32(0xFFFFF000)).view(np.float32)
 
 
 def _mark(fig: Any, mark: Mark) -> None:
-    more = {"level": "image"}
+    common = {"level": "image"}
     if mark.label:
-        more["legend_label"] = _plain(mark.label)
+        common["legend_label"] = _plain(mark.label)
     if mark.start == mark.end:
-        fig.vspan([mark.start], **_look_in_bokeh(mark.look), **more)
+        fig.vspan([mark.start], **_look_in_bokeh(mark.look), **common)
     else:
         colour = mark.look["color"]
-        fig.vstrip([mark.start], [mark.end], fill_color=colour, line_color=None, **more)
+        fig.vstrip([mark.start], [mark.end], fill_color=colour, line_color=None, **common)
 
 
 def _look_in_bokeh(stroke: Stroke) -> dict[str, Any]:
@@ -261,7 +253,7 @@ def _look_in_bokeh(stroke: Stroke) -> dict[str, Any]:
     look = {"color": stroke["color"], "line_width": _PIXEL * points}
     style = stroke.get("linestyle", "-")
     if isinstance(style, tuple):
-        dashes = (max(1, round(_PIXEL * points * part)) for part in style[1])
+        dashes = (max(1, round(_PIXEL * points * length)) for length in style[1])
         look["line_dash"] = " ".join(map(str, dashes))
     return look
 

@@ -1,51 +1,57 @@
-"""Texts that several pages share: judged metrics as a table, verdicts, torques and pads."""
+"""What several pages share: tables of judged metrics, verdicts, torques, pads, and the inputs.
+
+A judgement compares a metric, by its key ``figure``, with the limits for failing and for warning.
+"""
 
 from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
 
-from calib.base.names import AXLE_NAMES
+from calib.base.digest import file_digest
+from calib.base.names import AXLE_NAMES, PROGRAM
 from calib.base.plain import counted, metric_of, plus_minus
 from calib.estimation.limits import FAILED, NOT_KNOWN, PASSED, WARNING, Judgement
 from calib.estimation.validate import CALIBRATION, Validation
-from calib.show.facts import Row, Table
-from calib.show.torque import UNIT, per_bar
+from calib.show.facts import Facts, Row, Table
+from calib.show.torque import UNIT, UNKNOWN, per_bar
+from calib.store.version import Stored
 from calib.table.budget import Parts, parts_text, ramp_pads
 from calib.table.table import Table as LookUp
 
 _WORST_FIRST = (FAILED, WARNING, PASSED, NOT_KNOWN)
-UNKNOWN = "not known"
 _HEADS = ("metric", "value", "limit", "no warning", "verdict", "key")
 
 
 def judged(caption: str, groups: Sequence[Sequence[Judgement]]) -> tuple[Table, list[str]]:
-    """Return a table with a row for each metric, and a note on the metrics that are not known.
+    """Return a table with a row for each metric, the worst first, and notes.
 
-    A group has the judgements of one metric: a single one of a car, or one of each stop.
+    A group has the judgements of one metric: a single one of a car, or one of each stop. A note
+    names the metrics that are not known.
     """
-    rows, unknown, notes = [], [], list[str]()
+    rows, unknown = [], []
     for group in sorted(groups, key=lambda group: _WORST_FIRST.index(_worst(group))):
         first, verdict = group[0], _worst(group)
         metric = metric_of(first.figure)
         if verdict == NOT_KNOWN:
             unknown.append(metric.name)
             continue
-        texts = [metric.value(judgement.value) for judgement in group]
-        text = f"{', '.join(texts)} {metric.unit}".rstrip()
-        if len(set(texts)) == 1:
+        values = [metric.value(judgement.value) for judgement in group]
+        text = f"{', '.join(values)} {metric.unit}".rstrip()
+        if len(set(values)) == 1:
             text = metric.with_unit(first.value)
         limit = metric.bounds(first.low, first.high)
         warn = metric.bounds(first.warn_low, first.warn_high)
         bounds = ["" if words == "none" else words for words in (limit, warn)]
         rows.append((metric.name, text, *bounds, verdict, first.figure))
-    if unknown:
-        notes.append(f"Not known and so not judged: {', '.join(unknown)}.")
+    notes = [f"Not known and so not judged: {', '.join(unknown)}."] if unknown else []
     return Table(_HEADS, rows, caption, [row[4] for row in rows]), notes
 
 
 def stop_by_stop(results: Sequence[Validation]) -> tuple[Table, list[str]]:
-    """Return a table with a row for each judged metric, with its values in all stops, and notes."""
+    """Return `judged` for the metrics of stops, with the values of all stops in a row."""
     by_metric: dict[str, list[Judgement]] = {}
-    for judgement in (judgement for result in results for judgement in result.judgements):
-        by_metric.setdefault(judgement.figure, []).append(judgement)
+    for result in results:
+        for judgement in result.judgements:
+            by_metric.setdefault(judgement.figure, []).append(judgement)
     stops = ", ".join(result.log for result in results)
     order = f", in this order, one value where all are alike: {stops}" if len(results) > 1 else ""
     return judged(f"The stops{order}. The worst first.", [*by_metric.values()])
@@ -65,22 +71,23 @@ def verdict_words(role: str, verdict: str, warnings: int) -> str:
 
 def ramp_rows(table: LookUp) -> list[Row]:
     """Return brake torque per bar and pad friction of the axles on the ramp, with intervals."""
-    torques = zip(AXLE_NAMES.values(), per_bar(table), strict=True)
-    frictions = zip(AXLE_NAMES.values(), ramp_pads(table), strict=True)
+    (front, rear), (pads_f, pads_r) = per_bar(table), ramp_pads(table)
     return [
-        *((f"{axle} axle per bar", f"{torque} {UNIT}") for axle, torque in torques),
-        *((f"{axle} pads", friction) for axle, friction in frictions),
+        ("front axle per bar", f"{front} {UNIT}"),
+        ("rear axle per bar", f"{rear} {UNIT}"),
+        ("front pads", pads_f),
+        ("rear pads", pads_r),
     ]
 
 
 def budget_rows(budgets: Iterable[Parts]) -> list[Row]:
-    """Return what the uncertainty of the pads of each axle is made of."""
-    axles = zip(AXLE_NAMES.values(), budgets, strict=False)
+    """Return the causes of the uncertainty of the pads, with their sizes, for each axle."""
+    axles = zip(AXLE_NAMES.values(), budgets, strict=False)  # there may be no budget
     return [(f"{axle} pads", parts_text(parts)) for axle, parts in axles]
 
 
 def pads(figures: Mapping[str, float | None], axle: str, prefix: str = "") -> str:
-    """Return the mean pad friction of an ``axle``, f or r, with its 95 % interval, or `UNKNOWN`.
+    """Return mean pad friction and 95 % interval of an ``axle``, f or r; `UNKNOWN` if not known.
 
     The ``prefix`` of the metrics is "ecu_" for the ECU, "" for the best estimate.
     """
@@ -99,11 +106,11 @@ def valid(figures: Mapping[str, float | None]) -> str:
 def broken(judgements: Iterable[Judgement]) -> list[str]:
     """Return a text for each metric that breaks its limit: its name, its value and the limit."""
     texts = []
-    for j in judgements:
-        if j.verdict == FAILED:
-            metric = metric_of(j.figure)
-            limit = metric.bounds(j.low, j.high)
-            texts.append(f"{metric.name} ({j.figure}) is {metric.with_unit(j.value)}, {limit}")
+    for item in judgements:
+        if item.verdict == FAILED:
+            metric = metric_of(item.figure)
+            value, limit = metric.with_unit(item.value), metric.bounds(item.low, item.high)
+            texts.append(f"{metric.name} ({item.figure}) is {value}, {limit}")
     return texts
 
 
@@ -114,5 +121,27 @@ def warned(titles: Iterable[str]) -> str:
 
 
 def _worst(group: Sequence[Judgement]) -> str:
-    """Return the worst verdict; stops that lack the metric do not count."""
-    return min((j.verdict for j in group), key=_WORST_FIRST.index)
+    """Return the worst verdict; a stop without the metric counts last."""
+    return min((judgement.verdict for judgement in group), key=_WORST_FIRST.index)
+
+
+def origin(
+    stored: Stored,
+    logs: Iterable[tuple[str, str, str]],
+    date: str,
+    files: Mapping[str, Path] | None = None,
+) -> Facts:
+    """Return the part of a page that says where its results come from.
+
+    Each of the ``logs`` has role, name and SHA-256; ``files`` are other inputs by their roles.
+    Raises OSError for a file that is gone.
+    """
+    inputs = [(name, role, digest) for role, name, digest in logs]
+    inputs += [(path.name, role, file_digest(path)) for role, path in (files or {}).items()]
+    table = f"{stored.id}, SHA-256 {stored.digest}"
+    heads, caption = ("file", "role", "SHA-256"), "Inputs, with the SHA-256 of their bytes."
+    return Facts(
+        "Where it comes from",
+        rows=[("Table", table), ("Date", date), ("Program", PROGRAM)],
+        tables=[Table(heads, inputs, caption)],
+    )

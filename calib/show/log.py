@@ -1,6 +1,7 @@
 """A log without table or vehicle: its content as facts, and all its columns as one picture.
 
-A panel has the columns of one kind and unit, and the events of `calib.run.events` as marks.
+A panel has the columns of one kind, such as all wheel speeds, in one unit. The events of
+`calib.run.events` are marks.
 """
 
 from collections.abc import Iterable
@@ -31,11 +32,11 @@ _EVENTS: dict[str, Stroke] = {
     STANDSTILL: {"color": "#F8E6D8"},
     BITES: {"color": "#B3471B", "linewidth": 0.9, "linestyle": (0, (3, 2))},
 }
-"""Looks of events; spans are pale, since lines of all colours cross them."""
+"""Looks of events: the first three are spans, pale below the lines; the last is a moment."""
 _STROKES = {**style.WHEEL_STROKES, "f": style.FRONT, "r": style.REAR}
 _TIME = "time [s]"
-_PANEL = 0.72
-"""Height of a panel, over that of a usual panel [1]."""
+_HEIGHT = 0.72
+"""Height of a panel, in the unit of `Sheet.heights`."""
 _ONE_COLUMN, MOST = 8, 24
 """Largest number of panels in a single column, and in a picture."""
 _TITLES = {
@@ -74,17 +75,12 @@ def log_facts(log: WholeLog, columns: Iterable[Inventory], events: Iterable[RunE
 
 
 def _cells(column: Inventory) -> tuple[str, ...]:
-    start, length = max(column.gaps, key=lambda gap: gap[1], default=(0.0, 0.0))
-    gaps = f"{len(column.gaps)}, longest {length:.3f} s at {start:.2f} s" if column.gaps else "none"
-    return (
-        column.name,
-        column.unit or "none",
-        "none" if column.low is None else f"{column.low:.6g}",
-        "none" if column.high is None else f"{column.high:.6g}",
-        "none" if column.rate is None else f"{column.rate:.4g}",
-        str(column.samples),
-        gaps,
-    )
+    low, high = ("none" if end is None else f"{end:.6g}" for end in (column.low, column.high))
+    rate, gaps = "none" if column.rate is None else f"{column.rate:.4g}", "none"
+    if column.gaps:
+        start, length = max(column.gaps, key=lambda gap: gap[1])
+        gaps = f"{len(column.gaps)}, longest {length:.3f} s at {start:.2f} s"
+    return column.name, column.unit or "none", low, high, rate, str(column.samples), gaps
 
 
 def log_sheet(log: WholeLog, events: Iterable[RunEvent] = ()) -> Sheet:
@@ -93,38 +89,38 @@ def log_sheet(log: WholeLog, events: Iterable[RunEvent] = ()) -> Sheet:
     if not 0 < len(groups) <= MOST:
         raise ValueError(f"{len(groups)} panels, at most {MOST} can be drawn")
     all_events, channels, panels = list(events), channels_log(log), list[Panel]()
-    for axis, columns in groups.items():
+    for label, columns in groups.items():
         kind = _kind(columns[0].name)
-        name = axis if kind in {panel.name for panel in panels} else kind
+        name = label if kind in {panel.name for panel in panels} else kind
         lines = []
         for column in columns:
-            place = column.name.rpartition("_")[2] if len(columns) > 1 else ""
+            place = column.name.rpartition("_")[2] if len(columns) > 1 else ""  # fl, f ...
             look = {**_STROKES.get(place, style.BODY), "linewidth": 0.8}
             lines.append(Line(time, column.values, look, place))
         title = _TITLES.get(kind, style.as_text(kind))
-        panels.append(Panel(name, title, _TIME, style.as_text(axis), lines, columns=4))
+        panels.append(Panel(name, title, _TIME, style.as_text(label), lines, columns=4))
     if all(name in channels for name in WHEEL_SPEEDS):
         line = Line(time, _eta(channels), {**style.IDENTIFIED, "linewidth": 0.8})
         title = "Wheel speed rear over front, less 1"
         panels.append(Panel("eta", title, _TIME, style.ETA, [line]))
-    drawn = [
-        replace(panel, marks=_marks(all_events, named=not i), xlim=(time[0], time[-1]))
+    marked = [
+        replace(panel, marks=_marks(all_events, named=i == 0), xlim=(time[0], time[-1]))
         for i, panel in enumerate(panels)
     ]
     names = [panel.name for panel in panels]
     return Sheet(
         kind="log",
         name=log.name,
-        panels=tuple(drawn),
-        rows=rows_of(names, 1 + (len(names) > _ONE_COLUMN)),
-        heights=(_PANEL,),
+        panels=tuple(marked),
+        rows=rows_of(names, 2 if len(names) > _ONE_COLUMN else 1),
+        heights=(_HEIGHT,),
         title=f"Log {log.name}",
         note=f"Digest {log.digest[:16]}, {time.size} samples. Nothing is filtered.",
     )
 
 
 def whole_of(log: Log) -> WholeLog:
-    """Return the channels of a log in the units that the file gives."""
+    """Return the channels of a log in the units of `CHANNELS`, such as bar."""
     columns = [
         WholeColumn(name, channel.unit, from_si(log[name], channel.unit, channel.si))
         for name, channel in CHANNELS.items()
@@ -137,22 +133,23 @@ def _eta(log: Log) -> Array:
     """Return eta - 1 of the axles' mean wheel speeds (22) [%], (n,); NaN below `MOVING`."""
     front = 0.5 * (log["omega_fl"] + log["omega_fr"])
     rear = 0.5 * (log["omega_rl"] + log["omega_rr"])
-    turning = np.minimum(front, rear) > MOVING / NOMINAL_RADIUS
-    return np.where(turning, 100.0 * (rear / np.where(turning, front, 1.0) - 1.0), np.nan)
+    is_turning = np.minimum(front, rear) > MOVING / NOMINAL_RADIUS
+    eta = rear / np.where(is_turning, front, 1.0)
+    return np.where(is_turning, 100.0 * (eta - 1.0), np.nan)
 
 
 def _marks(events: Iterable[RunEvent], named: bool) -> list[Mark]:
     """Return the events as marks; if ``named``, the legend has each kind once."""
-    marks, unlabelled = [], set(_EVENTS if named else ())
+    marks, unnamed = [], set(_EVENTS if named else ())
     for event in events:
-        label = event.kind if event.kind in unlabelled else ""
-        unlabelled.discard(event.kind)
+        label = event.kind if event.kind in unnamed else ""
+        unnamed.discard(event.kind)
         marks.append(Mark(event.start, event.end, _EVENTS[event.kind], label))
     return marks
 
 
 def panels_of(log: WholeLog) -> dict[str, list[WholeColumn]]:
-    """Return the columns by the label of their panel, in the order of the log; no clock."""
+    """Return all columns but the clock, by the label of their panel, in the order of the log."""
     groups: dict[str, list[WholeColumn]] = {}
     for column in log.columns:
         if column.name != TIME:
@@ -163,9 +160,9 @@ def panels_of(log: WholeLog) -> dict[str, list[WholeColumn]]:
 
 def _kind(name: str) -> str:
     """Return `omega` of omega_fl, `T_disc` of T_disc_f; a foreign name is its own kind."""
-    stem, _, last = name.rpartition("_")
+    stem, _, place = name.rpartition("_")
     is_ours = name in CHANNELS or name.startswith(TRUTH)
-    return stem if is_ours and last in (*WHEELS, "f", "r") else name
+    return stem if is_ours and place in (*WHEELS, "f", "r") else name
 
 
 def written(log: WholeLog, out: Path) -> dict[str, Any]:

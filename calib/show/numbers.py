@@ -1,4 +1,4 @@
-"""Numbers and names as people read them; SI units become bar, km/h, % and so on."""
+"""Numbers and names as people read them, with bar, km/h, % and so on in place of SI units."""
 
 import math
 import re
@@ -25,12 +25,13 @@ _PRINTED = {
 
 _UNIT = r"%|sigma|degC?|rad/s|bar|[cmukM]?(?:g|m|s|Pa|Hz|N|J|W)(?:[/*^]\w+)*"
 _BEFORE_UNIT = re.compile(rf"(?<=\d) (?=(?:{_UNIT})(?![\w*^]))")
+"""Pattern of a unit, and of the space between a number and its unit."""
 _IN_NEWTON_METRES = re.compile(r"\b(k?N) (?=m\b)")
-"""Patterns of a unit, of the space between number and unit, and of the N and space of N m."""
+"""Pattern of the N and the space of `N m`."""
 
 
 def unbroken(text: str) -> str:
-    """Return the text with no-break spaces between numbers and units; a command is not changed."""
+    """Return a text with no-break spaces between numbers and units; a command is not changed."""
     if text.startswith("brake-cal "):
         return text
     text = _IN_NEWTON_METRES.sub(rf"\1{NBSP}", text.replace(" ± ", f"{NBSP}±{NBSP}"))
@@ -43,18 +44,18 @@ def spaced(name: str) -> str:
 
 
 def listed(names: Sequence[str], last: str = "and") -> str:
-    """Return names in a row, the ``last`` word before the last name: `a, b and c`."""
+    """Return names as `a, b and c`, with the word ``last`` before the last name."""
     *others, final = [spaced(name) for name in names]
     return f"{', '.join(others)} {last} {final}" if others else final
 
 
 def to_printed(value: float, unit: str) -> float:
-    """Return a ``value`` [SI ``unit``] in its printed unit."""
+    """Return a ``value`` in the SI ``unit`` converted to its printed unit."""
     return value * _PRINTED.get(unit, (unit, 1.0))[1]
 
 
 def with_unit(text: str, unit: str) -> str:
-    """Return a text with the printed unit for the SI ``unit``."""
+    """Return a text followed by the printed unit of the SI ``unit``."""
     return f"{text} {_PRINTED.get(unit, (unit, 1.0))[0]}".rstrip()
 
 
@@ -65,7 +66,8 @@ def number(value: float, step: float) -> str:
     """
     if not math.isfinite(value) or not math.isfinite(step):
         return "not known"
-    step = step or 1e-3 * abs(value) or 1.0
+    if step == 0.0:
+        step = 1e-3 * abs(value) if value else 1.0
     decimals = max(0, 1 - math.floor(math.log10(step)))
     return f"{value:z.{decimals}f}"
 
@@ -79,8 +81,8 @@ def estimate(parameter: "ParameterEstimate") -> tuple[str, str]:
 
 
 def span(ends: tuple[float, float], unit: str) -> str:
-    """Return a range [SI ``unit``] as text: `20 to 29 bar`; a narrow range has a decimal."""
+    """Return a range in the SI ``unit`` as text: `20 to 29 bar`; a narrow range has a decimal."""
     low, high = (to_printed(end, unit) for end in ends)
-    digits = 0 if high - low >= 2.0 else 1
-    first, last = f"{low:z.{digits}f}", f"{high:z.{digits}f}"
+    decimals = 0 if high - low >= 2.0 else 1
+    first, last = f"{low:z.{decimals}f}", f"{high:z.{decimals}f}"
     return with_unit(first if first == last else f"{first} to {last}", unit)

@@ -1,12 +1,12 @@
 """A panel: what one pair of axes shows, and how matplotlib draws it.
 
-    Line   values over the x axis, with their 95 % band
-    Mark   a part of the x axis, over the whole height
+    Line   values over the x axis, with a band around them
+    Mark   a marked range of the x axis, over the whole height of the panel
     Field  values as colours over the whole panel
     Panel  lines, marks, texts and a field
 
-The legend of a panel is between its title and its axes, where it covers no data. The module
-`calib.show.interactive` draws the same panels in a browser.
+`calib.show.interactive` draws the same panels in a browser. In this room, the ``look`` of a line
+names its colour, width, dashes and marker as matplotlib does.
 """
 
 from collections.abc import Sequence
@@ -20,7 +20,7 @@ from calib.show.style import Array, Axes, Stroke, axis_ends, envelope, pale, smo
 _POINTS = 72.0
 """Points to the inch."""
 RAW = 0.3
-"""Opacity of measured values behind their mean."""
+"""Opacity of the values behind their mean [1]."""
 PARTS = 2000
 """Parts of the `envelope` of a long line; a printed page is about 1,000 pixels wide."""
 
@@ -29,36 +29,31 @@ PARTS = 2000
 class Line:
     """A line through ``y`` over ``x``, (n,) each.
 
-    Attributes
-    ----------
-    look : colour, width, dashes and marker.
-    label : name in the legend, "" for none.
-    band : lower and upper bounds (n,) of the values.
-    mean : window [s] of the mean that is drawn as the line, with ``y`` pale behind it; 0 for none.
+    If ``mean`` is not 0, the line is a mean over time, with ``y`` pale behind it.
     """
 
     x: Array | Sequence[float]
     y: Array | Sequence[float]
     look: Stroke
-    label: str = ""
-    band: tuple[Array, Array] | None = None
-    mean: float = 0.0
+    label: str = ""  # name in the legend, "" for none
+    band: tuple[Array, Array] | None = None  # lower and upper bounds (n,)
+    mean: float = 0.0  # window of the mean [s]
 
     @property
-    def shown(self) -> Array:
-        """Values of the thick line (n,): the mean, or ``y`` without one."""
+    def line_values(self) -> Array:
+        """Values of the line (n,): the mean of ``y``, or ``y`` itself."""
         y = np.asarray(self.y, float)
         return smooth(np.asarray(self.x), y, self.mean) if self.mean else y
 
     def draw(self, ax: Axes, parts: int) -> None:
-        """Draw the line without its band; of a long line the `envelope` in so many ``parts``."""
-        x, colour = np.asarray(self.x, float), self.look["color"]
+        """Draw the `envelope` of the line in ``parts``, without the band."""
+        x, values = np.asarray(self.x, float), self.line_values
         if self.mean:
             y = np.asarray(self.y, float)
             points = envelope(y, parts)
-            ax.plot(x[points], y[points], color=colour, linewidth=0.5, alpha=RAW)
-        points = envelope(self.shown, parts)
-        ax.plot(x[points], self.shown[points], label=self.label, **self.look)
+            ax.plot(x[points], y[points], color=self.look["color"], linewidth=0.5, alpha=RAW)
+        points = envelope(values, parts)
+        ax.plot(x[points], values[points], label=self.label, **self.look)
 
     def draw_band(self, ax: Axes, parts: int) -> None:
         """Draw the band in a pale colour, with its edges."""
@@ -72,7 +67,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Mark:
-    """The part of the x axis from ``start`` to ``end``; an upright line where they are equal."""
+    """The x axis from ``start`` to ``end``, or an upright line where these are equal."""
 
     start: float
     end: float
@@ -89,33 +84,25 @@ class Mark:
 
 @dataclass(frozen=True)
 class Field:
-    """Values as colours over the whole panel, whose title names the values.
+    """Values as colours over the whole panel; the title of the panel names the values.
 
-    A third axis, which only a browser can show, has a slider.
-
-    Attributes
-    ----------
-    values : shape (rows, columns), the lowest row first; NaN where the value is not known.
-    ends : left, right, lower and upper end of the axes.
-    middle : value in the middle of the colours; None for a scale from the lowest to the highest.
-    slices : the values at equal steps of the third axis.
-    slider : name and both ends of the third axis.
-    torques : numbers by which a cursor on the map of a table tells brake torques; () for none. At
-        y = 1: torque of the front axle if it brakes alone, the same of the rear axle [N m], and
-        front over rear torque where the value is 1 [1].
+    A third axis, which only a browser can show, has a slider. A browser also tells the brake
+    torques at a place of the map of a table. Its ``torques``, () for other fields, are the torque
+    of the front axle if it brakes alone, that of the rear axle if it brakes alone [N m], both at
+    y = 1, and front over rear torque where the value is 1 [1].
     """
 
-    values: Array
-    ends: tuple[float, float, float, float]
-    middle: float | None = None
-    slices: Sequence[Array] = ()
-    slider: tuple[str, float, float] | None = None
+    values: Array  # (rows, columns), the lowest row first; NaN if not known
+    ends: tuple[float, float, float, float]  # left, right, lower and upper end of the axes
+    middle: float | None = None  # value of the middle colour; None for colours from low to high
+    slices: Sequence[Array] = ()  # like ``values``, at equal steps of the third axis
+    slider: tuple[str, float, float] | None = None  # name and both ends of the third axis
     torques: tuple[float, ...] = ()
 
     @property
     def scale(self) -> tuple[str, float, float]:
         """Name of the colours in matplotlib, and the values of the first and the last colour."""
-        low, high = np.nanquantile(self.values, [0.02, 0.98])  # a few outliers keep the end colour
+        low, high = np.nanquantile(self.values, [0.02, 0.98])  # outliers get the end colours
         if self.middle is None:
             return "viridis_r", low, high
         half = max(high - self.middle, self.middle - low)
@@ -128,7 +115,7 @@ class Field:
         cmap, low, high = self.scale
         look: Stroke = {"aspect": "auto", "origin": "lower", "interpolation": "none", "zorder": 0}
         image = ax.imshow(self.values, cmap, vmin=low, vmax=high, extent=self.ends, **look)
-        ticks = MaxNLocator(6)  # their number, and so their width, is the same at every height
+        ticks = MaxNLocator(6)  # at every height of the panel the same ticks, and so one width
         scale_axes = ax.inset_axes((1.02, 0.0, 0.035, 1.0))
         scale = ax.figure.colorbar(image, cax=scale_axes, ticks=ticks, extend="both")
         if scale.solids is not None:
@@ -137,39 +124,27 @@ class Field:
 
 @dataclass(frozen=True)
 class Panel:
-    """One pair of axes.
+    """One pair of axes."""
 
-    Attributes
-    ----------
-    name : name of the panel, which ``--figure`` takes.
-    title : text above the axes.
-    x, y : labels of the axes, with units.
-    lines : lines in the order of drawing: the last line is on top, and the first band.
-    marks : parts of the x axis, behind the lines.
-    texts : words, and x and y of the point that they stand beside.
-    xlim, ylim : ends of the axes; None for all that is drawn. Where lines have means, the y axis
-        then shows zero and the means.
-    xticks, yticks : words at 0, 1, 2 ... instead of numbers.
-    columns : number of entries in a row of the legend.
-    field : colours behind everything, between ``xlim`` and ``ylim``.
-    """
-
-    name: str
+    name: str  # as --figure takes it
     title: str
-    x: str
+    x: str  # label with unit
     y: str
-    lines: Sequence[Line]
+    lines: Sequence[Line]  # the last line is on top of the others; of the bands, the first is
     marks: Sequence[Mark] = ()
-    texts: Sequence[tuple[str, float, float]] = ()
-    xlim: tuple[float, float] | None = None
-    ylim: tuple[float, float] | None = None
-    xticks: Sequence[str] = ()
+    texts: Sequence[tuple[str, float, float]] = ()  # with x and y of the point beside the text
+    xlim: tuple[float, float] | None = None  # ends of the axis, None for all that is drawn
+    ylim: tuple[float, float] | None = None  # None for `y_ends`
+    xticks: Sequence[str] = ()  # words at 0, 1, 2 ... instead of numbers
     yticks: Sequence[str] = ()
-    columns: int = 3
-    field: Field | None = None
+    columns: int = 3  # number of entries in a row of the legend
+    field: Field | None = None  # colours behind everything
 
     def draw(self, ax: Axes, parts: int = PARTS) -> float:
-        """Draw the panel without its title; return the height of the legend [pt]."""
+        """Draw the panel without its title; return the height of the legend [pt].
+
+        The legend is above the axes, where it covers no data.
+        """
         if self.field is not None:
             self.field.draw(ax)
         for line in self.lines:
@@ -179,11 +154,9 @@ class Panel:
         for mark in self.marks:
             mark.draw(ax)
         for text, x, y in self.texts:
-            # a text is on the left of a point in the right half of the axis
-            is_left = self.xlim is not None and x > np.mean(self.xlim)
-            side, shift = ("right", -4.0) if is_left else ("left", 4.0)
+            alignment, shift = ("right", -4.0) if self.is_in_right_half(x) else ("left", 4.0)
             place: dict[str, Any] = {"xytext": (shift, -9.5), "textcoords": "offset points"}
-            ax.annotate(text, (x, y), ha=side, fontsize=7.0, **place)
+            ax.annotate(text, (x, y), ha=alignment, fontsize=7.0, **place)
         ax.set(xlabel=self.x, ylabel=self.y)
         for ends, set_ends in ((self.xlim, ax.set_xlim), (self.y_ends, ax.set_ylim)):
             if ends is not None:
@@ -197,12 +170,16 @@ class Panel:
         legend = ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=self.columns)
         return _POINTS * legend.get_window_extent().height / legend.figure.dpi
 
+    def is_in_right_half(self, x: float) -> bool:
+        """Whether ``x`` is in the right half of the axis, where a text goes left of its point."""
+        return self.xlim is not None and x > 0.5 * (self.xlim[0] + self.xlim[1])
+
     def shares_x(self, other: "Panel") -> bool:
         """Whether this panel and the ``other`` panel have the same x axis."""
         return self.xlim is not None and (self.x, self.xlim) == (other.x, other.xlim)
 
     @property
     def y_ends(self) -> tuple[float, float] | None:
-        """Ends of the y axis; None for all that is drawn."""
-        means = [line.shown for line in self.lines if line.mean]
+        """Ends of the y axis: ``ylim``, or zero and the means; None without means: all lines."""
+        means = [line.line_values for line in self.lines if line.mean]
         return self.ylim or axis_ends(*means, with_zero=True)

@@ -1,6 +1,7 @@
-"""A plan as facts: widths after each step, cards for the driver, and the widths of a fit.
+"""Facts of a plan of runs: how well the torque is known after each step, and cards for the driver.
 
-A width is the 95 % half width of the brake torque, over the torque [1].
+A width is the 95 % half width of the brake torque, over the torque [1]. A fit has the widths that
+were achieved beside the planned ones.
 """
 
 from collections.abc import Sequence
@@ -16,22 +17,26 @@ if TYPE_CHECKING:  # a fit needs nothing that makes a plan
 
 
 def plan_facts(plan: "Plan") -> Facts:
-    """Return what to do, how well the torque is then known, and what no run can improve."""
-    named = plan.after._asdict().items()
-    widths = ", ".join(f"{axles} ±{100.0 * width:.1f}{NBSP}%" for axles, width in named)
-    wanted, met = any(plan.want.widths), plan.want.met_by(plan.after)
+    """Return the steps with the widths after them, and the smallest widths that can be reached."""
+    widths_after = plan.after._asdict().items()
+    widths = ", ".join(f"{part} ±{100.0 * width:.1f}{NBSP}%" for part, width in widths_after)
+    is_wanted = any(plan.want.widths)
+    verdict, word = UNJUDGED, "Planned"
+    if is_wanted:
+        is_met = plan.want.met_by(plan.after)
+        verdict, word = (PASSED, "Enough") if is_met else (FAILED, "Not enough")
     rows = [
         ("before", plan.start),
         *((f"{i}. {step.measure.text}", step.widths) for i, step in enumerate(plan.steps, 1)),
         ("the same, with the speed v logged", plan.with_speed or ()),
-        ("wanted", plan.want.widths if wanted else ()),
+        ("wanted", plan.want.widths if is_wanted else ()),
         ("all runs that can be driven here", plan.floor_of_runs),
         ("and all measurements of a workshop", plan.floor),
     ]
     return Facts(
         title=f"Plan for {plan.prior.vehicle.name}",
-        verdict=(PASSED if met else FAILED) if wanted else UNJUDGED,
-        word=("Enough" if met else "Not enough") if wanted else "Planned",
+        verdict=verdict,
+        word=word,
         headline=f"{widths} after {plan.seconds:.0f}{NBSP}s",
         tables=[_widths([row for row in rows if row[1]])],
         notes=_notes(plan),

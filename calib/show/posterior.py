@@ -1,7 +1,7 @@
 """Prior and posterior of each quantity that a fit draws, and the correlation of pads and tyres.
 
-prior      |=========|      from -1 to 1: 95 % interval of `calib.car.beliefs`, for any car
-posterior     |-o-|         95 % interval of the draws of the table, over the prior's half width
+prior      |=========|      95 % interval for any car, by `calib.car.beliefs`: from -1 to 1
+posterior     |-o-|         95 % interval of the draws of the table, on the same axis
 """
 
 from typing import NamedTuple
@@ -17,7 +17,7 @@ from calib.show.style import FRONT, NOMINAL, SHADE, Array, dots
 from calib.table.table import Table
 
 _AXIS_END = 2.1
-"""In half widths of a prior [1]."""
+"""End of the axis, in 95 % half widths of a prior [1]."""
 
 
 class _Quantity(NamedTuple):
@@ -34,15 +34,18 @@ class _Quantity(NamedTuple):
 
 
 def quantities(table: Table) -> list[_Quantity]:
-    """Return the quantities that the fit draws; ratios of pads and tyres are the first two."""
-    e, pads = ensemble_of(table.vehicle, table.draws), CAR.log_pad_ratio
-    pads = pads._replace(sigma=pad_ratio_prior(table.vehicle, None).sigma)
-    mean = 0.5 * (e.compliance_f + e.compliance_r)
+    """Return the quantities that the fit draws; ratios of pads and tyres are the first two.
+
+    A logarithm stands for a ratio, as in the priors.
+    """
+    e = ensemble_of(table.vehicle, table.draws)
+    pads = CAR.log_pad_ratio._replace(sigma=pad_ratio_prior(table.vehicle, None).sigma)
+    compliance = 0.5 * (e.compliance_f + e.compliance_r)
     tyre_ratio = (e.compliance_f - e.compliance_r) / CAR.compliance.mean
     return [
         _Quantity("pad ratio", e.log_pad_ratio, pads),
         _Quantity("tyre ratio", tyre_ratio, CAR.log_tyre_ratio),
-        _Quantity("tyre compliance", mean, CAR.compliance),
+        _Quantity("tyre compliance", compliance, CAR.compliance),
         _Quantity("stiffness over load", e.load_exponent, CAR.load_exponent),
         _Quantity("grip of the road", np.log(e.peak), CAR.peak),
         _Quantity("grip over load", e.peak_load_exponent, CAR.peak_load_exponent),
@@ -53,10 +56,13 @@ def quantities(table: Table) -> list[_Quantity]:
 
 
 def forest(table: Table) -> Panel:
-    """Return the panel with prior and posterior of each quantity, and the share of width left."""
-    shown = quantities(table)[::-1]
+    """Return the panel with prior and posterior of each quantity, the first one on top.
+
+    A text says how much of the width of the prior is left.
+    """
+    rows = quantities(table)[::-1]
     lines, texts = list[Line](), []
-    for i, quantity in enumerate(shown):
+    for i, quantity in enumerate(rows):
         low, middle, high = np.quantile(quantity.scaled, [0.025, 0.5, 0.975])
         label = "" if i else "posterior, 95 %"
         lines.append(Line([low, high], [i, i], FRONT, label))
@@ -71,14 +77,14 @@ def forest(table: Table) -> Panel:
         [Mark(-1.0, 1.0, {"color": SHADE}, "prior, 95 %")],
         texts,
         xlim=(-_AXIS_END, _AXIS_END),
-        ylim=(-0.6, len(shown) - 0.4),
-        yticks=[quantity.name for quantity in shown],
+        ylim=(-0.6, len(rows) - 0.4),
+        yticks=[quantity.name for quantity in rows],
         columns=2,
     )
 
 
 def pairs(table: Table) -> Panel:
-    """Return the panel with the draws of the ratios, of which a ramp without v sees the sum."""
+    """Return the panel with the draws of pad and tyre ratio; a ramp without v tells their sum."""
     pad, tyre, *_ = quantities(table)
     look = dots(NOMINAL, 2.0, alpha=0.6, rasterized=True)
     lines = [Line(100.0 * pad.draws, 100.0 * tyre.draws, look)]

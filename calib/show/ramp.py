@@ -1,9 +1,10 @@
 """The ramps of a calibration as measured points for Fig. 6.
 
-The curves of a table, and so these points, are those of a car without air drag, grade and rolling
-resistance. The pads of the table turn pressure into brake forces, and the model of the car without
-resistance turns these forces into z, f1 and f2. The eta of a point is the measured eta times the
-model's eta without resistance over the model's eta with the resistance of this run.
+The curves of a table are those of a car without resistance: air drag, grade, rolling resistance.
+So are these points. The pads of the table turn pressure into brake forces, and the model of the
+car without resistance turns these forces into z, f1 and f2. The eta of a point is
+
+    measured eta * model's eta without resistance / model's eta with the resistance of the run
 """
 
 from dataclasses import dataclass, replace
@@ -23,29 +24,22 @@ from calib.show.style import REAR, Array, Mask, Stroke
 from calib.table.table import Table
 
 _GROUP = 5
-"""Blocks per point: in means over 0.25 s the curve shows above the noise of eta."""
+"""Blocks in a point: a mean over 0.25 s has so little noise of eta that the curve is seen."""
 
 
 @dataclass(frozen=True)
 class MeasuredRamp:
-    """A ramp in k blocks of 0.05 s, as the car would drive it without resistance.
+    """A ramp in k blocks of 0.05 s, as the car would drive it without resistance."""
 
-    Attributes
-    ----------
-    eta, f1, f2 : as in Fig. 6 [1], (k,) each; NaN where nothing brakes.
-    braked : blocks (k,) with enough pressure.
-    is_two_axles : whether both axles brake.
-    """
-
-    eta: Array
+    eta: Array  # as in Fig. 6 [1] (k,), like f1 and f2; NaN where nothing brakes
     f1: Array
     f2: Array
-    braked: Mask
-    is_two_axles: bool
+    braked: Mask  # blocks (k,) after the lead-in in which a brake bites
+    is_two_axles: bool  # whether both axles brake
 
 
 def measure(table: Table, log: Log) -> MeasuredRamp:
-    """Return a ramp as points, with the pads and the draws of the posterior of ``table``.
+    """Return a ramp as points, with the pads of ``table`` and its n draws from the posterior.
 
     f1 and f2 come from the pressure and are smooth; eta has the noise of the wheel speeds. Raises
     LogError as `calib.run.run.Run.signals`.
@@ -54,35 +48,40 @@ def measure(table: Table, log: Log) -> MeasuredRamp:
     car = read.car
     sensor = read.accelerometer(identify_resistance(car, ()))
     run = prepare(read, table.effects.with_(car.effects), sensor)
-    b = run.blocks
-    nominal = nominal_forces(car, run, table.calibration.pad_log_ratio.value)
-    brake = pad_scale(run, *nominal) * np.add(*nominal)
-    # the shape discrepancy of a tyre acts alike with resistance and without
-    e = ensemble_of(car, replace(table.draws, depart_eta=np.zeros((1, 10))))
-    log_ratio, share = e.log_pad_ratio[:, None] + run.log_odds(b.p_f, b.p_r), brake / car.weight
+    blocks = run.blocks
+    nominal_f, nominal_r = nominal_forces(car, run, table.calibration.pad_log_ratio.value)
+    brake = pad_scale(run, nominal_f, nominal_r) * (nominal_f + nominal_r)  # both axles [N], (k,)
+    share = brake / car.weight  # (k,)
+    # without the shape discrepancy of eta, which is the same with resistance and without
+    ensemble = ensemble_of(car, replace(table.draws, depart_eta=np.zeros((1, 10))))
+    log_pressure_ratio = run.log_odds(blocks.p_f, blocks.p_r)  # (k,)
+    log_ratio = ensemble.log_pad_ratio[:, None] + log_pressure_ratio  # (n, k)
+    # eta of the model with the resistance of this run
     front = front_share(car, log_ratio)
-    moments = np.stack([run.drag_f, run.drag_r])[:, None] / car.weight
-    forces = np.stack([front, 1.0 - front]) * share + moments
-    _, turning = wheel_slips(e, loaded_tyres(car, e, run.quasi_static(car)).slips(forces))
-    eta_model = np.median(speed_ratio(*turning), axis=0)
-    unbraked = b.lead_in
-    zero = float(np.mean((b.eta / eta_model)[unbraked])) if unbraked.any() else 1.0
-    # the same brake forces on the car of the table, which has no resistance
-    z_free = np.where(brake > 0.0, share / (1.0 + sum(rotating_shares(car))), np.nan)
-    curves = predict_slips(car, e, log_ratio, share, z_free)
-    D = np.where(brake > 0.0, np.median(np.subtract(*curves.forces), axis=0), np.nan)
-    f1, f2 = paper_curves(car, z_free, D)
+    resistance = np.stack([run.drag_f, run.drag_r])[:, None] / car.weight  # (2, 1, k)
+    forces = np.stack([front, 1.0 - front]) * share + resistance  # (2, n, k)
+    tyres = loaded_tyres(car, ensemble, run.quasi_static(car))
+    _, apparent_slips = wheel_slips(ensemble, tyres.slips(forces))
+    eta_with_resistance = np.median(speed_ratio(*apparent_slips), axis=0)  # (k,)
+    unbraked = blocks.lead_in
+    zero = float(np.mean((blocks.eta / eta_with_resistance)[unbraked])) if unbraked.any() else 1.0
+    # z, D and eta of the model with the same brake forces and without resistance
+    z = np.where(brake > 0.0, share / (1.0 + sum(rotating_shares(car))), np.nan)
+    free = predict_slips(car, ensemble, log_ratio, share, z)
+    F_f, F_r = free.forces  # over the axle loads [1], (n, k) each
+    D = np.where(brake > 0.0, np.median(F_f - F_r, axis=0), np.nan)
+    f1, f2 = paper_curves(car, z, D)
     return MeasuredRamp(
-        eta=b.eta / zero / eta_model * curves.eta,
+        eta=blocks.eta / zero / eta_with_resistance * free.eta,
         f1=f1,
         f2=f2,
-        braked=np.asarray(run.use & ~unbraked & (np.maximum(b.p_f, b.p_r) > BITE)),
+        braked=np.asarray(run.use & ~unbraked & (np.maximum(blocks.p_f, blocks.p_r) > BITE)),
         is_two_axles=run.only is None,
     )
 
 
 def points(ramp: MeasuredRamp, x: Array, y: Array, stroke: Stroke, label: str = "") -> Line:
-    """Return points over ``x`` and ``y`` (k,): means of `_GROUP` braked blocks in a row."""
+    """Return a ramp as points over ``x`` and ``y`` (k,): means of `_GROUP` braked blocks."""
     braked = np.array([x, y])[:, ramp.braked]  # (2, number of braked blocks)
     count = braked.shape[1] // _GROUP  # an incomplete group is left out
     means = braked[:, : count * _GROUP].reshape(2, count, _GROUP).mean(axis=2)

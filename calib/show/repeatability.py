@@ -1,6 +1,6 @@
-"""A gauge study: its verdicts, the causes of scatter, and the values of the ramps as a picture.
+"""A gauge study, of repeated ramps: verdicts, causes of scatter, and a picture of all values.
 
-A panel has a column for each car, a marker for each station, and a line at the mean of the car.
+%GRR is the share of the gauge in the scatter, ndc the number of distinct cars that it can tell.
 """
 
 from functools import partial
@@ -19,7 +19,8 @@ _CAUSES = (REPEATABILITY, REPRODUCIBILITY, CAR)
 _COLOURS = {GaugeVerdict.GOOD: PASSED, GaugeVerdict.MARGINAL: WARNING, GaugeVerdict.BAD: FAILED}
 _SD = "Standard deviations of repeats, of stations with their cars, and of the cars."
 _DRAWN = "Points are single ramps, a line is the mean of a car."
-_STATIONS, _MARKS = (FRONT, REAR, IDENTIFIED, NOMINAL), "osD^vPX"
+_STATIONS, _MARKERS = (FRONT, REAR, IDENTIFIED, NOMINAL), "osD^vPX"
+"""Looks and markers of the stations."""
 
 
 def gauge_facts(study: GaugeStudy) -> Facts:
@@ -32,9 +33,9 @@ def gauge_facts(study: GaugeStudy) -> Facts:
         sentences += [f"{verdict}: {', '.join(names)}"] if names else []
     if not judged:
         sentences = ["none of the metrics could be judged: their repeats do not scatter"]
-    # cars that are alike show nothing of a gauge, good or bad
-    failed = any(result.verdict == GaugeVerdict.BAD for result in judged)
-    outcome = FAILED if failed else PASSED if judged and study.passed else UNJUDGED
+    outcome = PASSED if judged and study.passed else UNJUDGED  # cars that are alike tell nothing
+    if any(result.verdict == GaugeVerdict.BAD for result in judged):
+        outcome = FAILED
     heads = ("metric", "%GRR", "95 %", "ndc", "of tolerance [%]", "verdict")
     causes = ("metric", "repeatability", "reproducibility", "cars")
     verdicts = [_COLOURS.get(result.verdict, "") for result in study.results]
@@ -55,24 +56,23 @@ def gauge_facts(study: GaugeStudy) -> Facts:
 
 def _shares(result: GaugeResult) -> tuple[str, ...]:
     """Return the row of a metric: %GRR with its interval, ndc, %GRR of the tolerance, verdict."""
-    g, shares, of_tolerance = result.gauge, ("", "", ""), ""
-    if g and g.cars_differ:
-        low, high = (100.0 * end for end in g.grr.ci95)
-        shares = f"{100.0 * g.grr.value:.1f}", f"{low:.0f} to {high:.0f}", str(g.ndc.value)
-    if g and g.grr_of_tolerance:
-        of_tolerance = f"{100.0 * g.grr_of_tolerance.value:.1f}"
+    gauge, shares, of_tolerance = result.gauge, ("", "", ""), ""
+    if gauge and gauge.cars_differ:
+        low, high = (100.0 * end for end in gauge.grr.ci95)
+        shares = f"{100.0 * gauge.grr.value:.1f}", f"{low:.0f} to {high:.0f}", str(gauge.ndc.value)
+    if gauge and gauge.grr_of_tolerance:
+        of_tolerance = f"{100.0 * gauge.grr_of_tolerance.value:.1f}"
     return metric_of(result.name).name, *shares, of_tolerance, result.verdict
 
 
 def _deviations(result: GaugeResult) -> tuple[str, ...]:
-    components, shown = result.gauge.components if result.gauge else {}, metric_of(result.name)
-    deviations = {name: f"{shown.factor * x.sd:.3g}" for name, x in components.items()}
-    return shown.heading, *(deviations.get(name, "") for name in _CAUSES)
+    metric, components = metric_of(result.name), result.gauge.components if result.gauge else {}
+    deviations = {cause: f"{metric.factor * x.sd:.3g}" for cause, x in components.items()}
+    return metric.heading, *(deviations.get(cause, "") for cause in _CAUSES)
 
 
 def gauge_sheet(study: GaugeStudy) -> Sheet:
     """Return the sheet of a gauge study, with a panel for each metric."""
-    facts = gauge_facts(study)
     stations = f", {len(study.stations)} stations" if study.stations else ""
     return Sheet(
         kind="repeatability",
@@ -80,27 +80,27 @@ def gauge_sheet(study: GaugeStudy) -> Sheet:
         panels=tuple(_panel(study, result) for result in study.results),
         title=f"Gauge study: {len(study.cars)} cars{stations}, {len(study.readings)} ramps",
         note=_DRAWN,
-        result=facts.verdict_line,
+        result=gauge_facts(study).verdict_line,
     )
 
 
 def _panel(study: GaugeStudy, result: GaugeResult) -> Panel:
-    """Return the panel of a metric: a column for each car, its stations side by side."""
-    cars, stations, shown = study.cars, study.stations or ("",), metric_of(result.name)
+    """Return the panel of a metric: a column for each car with its mean, stations side by side."""
+    cars, stations, metric = study.cars, study.stations or ("",), metric_of(result.name)
     x = np.array([float(cars.index(reading.car)) for reading in study.readings])
-    y, lines = shown.factor * result.values, []
+    y, lines = metric.factor * result.values, []
     for k, station in enumerate(stations):
-        of_station = np.array([reading.station == station for reading in study.readings])
-        aside = 0.5 * ((k + 0.5) / len(stations) - 0.5)
-        look = dots(_STATIONS[k % len(_STATIONS)], 3.2, _MARKS[k % len(_MARKS)])
-        lines.append(Line(x[of_station] + aside, y[of_station], look, as_text(station)))
+        at_station = np.array([reading.station == station for reading in study.readings])
+        shift = 0.5 * ((k + 0.5) / len(stations) - 0.5)  # a column is 0.5 wide
+        look = dots(_STATIONS[k % len(_STATIONS)], 3.2, _MARKERS[k % len(_MARKERS)])
+        lines.append(Line(x[at_station] + shift, y[at_station], look, as_text(station)))
     means = [float(np.mean(y[x == i])) for i in range(len(cars))]
     lines += [Line([i - 0.35, i + 0.35], [mean, mean], BODY) for i, mean in enumerate(means)]
     return Panel(
         f"{result.name}-values",
-        f"{as_text(shown.name)}: {result.verdict}",
+        f"{as_text(metric.name)}: {result.verdict}",
         "car, in order of its name",
-        f"value [{shown.unit or 1}]",
+        f"value [{metric.unit or 1}]",
         lines,
         xlim=(-0.6, len(cars) - 0.4),
         xticks=names_below(cars),

@@ -1,6 +1,6 @@
 """A stored result: the Parquet file that `brake-cal validate --out` writes for each log.
 
-Verdict, torque errors and warnings are those of the summary beside the file, if it is there.
+Verdict, torque errors and warnings come from `summary.json` beside the file, if it is there.
 """
 
 import json
@@ -36,24 +36,14 @@ _VALID = ("valid", "ecu_valid")
 
 @dataclass(frozen=True)
 class StoredResult:
-    """What an ECU answers to one log.
+    """The estimates of an ECU for one log; the last two fields are () without a summary."""
 
-    Attributes
-    ----------
-    name : stem of the log's name.
-    values : the `COLUMNS` (n,) by their names.
-    valid : samples (n,) in which the answer of the ECU counts.
-    note : the digest of the file, and the table and the warnings if there is a summary.
-    verdict : the verdict, broken limits and torque errors in words; () without a summary.
-    ramp_pads : pad friction of the front and the rear axle on the ramp [1]; () without a summary.
-    """
-
-    name: str
-    values: dict[str, Array]
-    valid: Mask
-    note: str
-    verdict: tuple[str, ...] = ()
-    ramp_pads: tuple[float, ...] = ()
+    name: str  # stem of the log's name
+    values: dict[str, Array]  # the `COLUMNS` (n,)
+    valid: Mask  # samples (n,) in which the estimate of the ECU counts
+    note: str  # digest of the file, and table and warnings of the summary
+    verdict: tuple[str, ...] = ()  # the verdict, broken limits and torque errors in words
+    ramp_pads: tuple[float, ...] = ()  # front and rear pad friction on the ramp [1]
 
 
 def is_result(path: Path) -> bool:
@@ -71,7 +61,7 @@ def is_result(path: Path) -> bool:
 
 
 def read_result(path: Path) -> StoredResult:
-    """Read a result. Raises InputError when it is unreadable, empty or lacks a column."""
+    """Read a result. Raises InputError if it is unreadable, too short or lacks a column."""
     from pyarrow import ArrowException
 
     try:
@@ -88,25 +78,25 @@ def read_result(path: Path) -> StoredResult:
         best_valid, ecu_valid = (numbers(columns[name]) > 0.0 for name in _VALID)
     except (OSError, ArrowException, TypeError, ValueError) as cause:
         raise InputError(f"cannot be read ({cause})", where=path) from cause
-    # in a run where the best estimate is nowhere valid, no answer of the ECU counts
+    # in a run where the best estimate is nowhere valid, no estimate of the ECU counts
     valid = ecu_valid & best_valid.any()
     note = f"Result {path.stem}, digest {sha256(data)[:16]}."
     result = StoredResult(path.stem, values, valid, note)
     try:
         return _with_summary(result, path, best_valid)
     except (OSError, ValueError, KeyError, TypeError, AttributeError, InputError):
-        return result  # there is no summary, or another one
+        return result  # there is no summary, or it is damaged or of other results
 
 
 def _with_summary(result: StoredResult, path: Path, best_valid: Mask) -> StoredResult:
-    """Return a result with what the summary beside its file says of it."""
+    """Return a result with its verdict, table and warnings from the summary beside its file."""
     summary = json.loads(path.with_name(SUMMARY).read_bytes())
     (log,) = (entry for entry in summary["logs"] if entry["log"] == result.name)
     warnings = [PlausibilityWarning(**entry) for entry in summary["warnings"]]
     titles = [warning.title for warning in warnings if warning.log == result.name]
     passed = PASSED if log["proof"] != NONE else CONSISTENT
     verdict = FAILED if log["verdict"] == FAILED else passed
-    judgements = [
+    judgements = [  # an unknown value is required if it failed
         Judgement(x["figure"], x["min"], x["max"], required=x["passed"] is False, value=x["value"])
         for x in log["limits"]
     ]

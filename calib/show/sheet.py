@@ -4,6 +4,7 @@ import io
 import textwrap
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
 from string import ascii_letters
@@ -22,54 +23,55 @@ _LETTER = 0.09
 class Sheet:
     """The panels of one page.
 
-    Attributes
-    ----------
-    kind : what is drawn: table, stop, simulation, log and so on.
-    name : name of what is drawn, for file names.
-    panels : all panels; a panel that ``rows`` does not name is drawn only alone.
-    rows : names of the panels in each row of the page, () for one panel a row. All rows have as
-        many places; a panel that spans several places is named in each of them.
-    heights : height of each row in units of 2.5 in; a single value is for all rows.
-    title, note : text above the panels and below them.
-    result : the answer in short, below the title.
+    All ``rows`` have the same number of places; a panel that spans several places is named in each
+    of them. A panel that no row names is drawn only alone.
     """
 
-    kind: str
-    name: str
+    kind: str  # table, stop, simulation, log and so on
+    name: str  # name of the table, stop or log, for file names
     panels: tuple[Panel, ...]
-    rows: tuple[tuple[str, ...], ...] = ()
-    heights: tuple[float, ...] = (1.0,)
+    rows: tuple[tuple[str, ...], ...] = ()  # names of panels; () for one panel in each row
+    heights: tuple[float, ...] = (1.0,)  # of each row, or of all rows, in units of 2.5 in
     title: str = ""
-    note: str = ""
-    result: str = ""
+    note: str = ""  # below the panels
+    result: str = ""  # in short, below the title
+
+    @cached_property
+    def by_name(self) -> dict[str, Panel]:
+        """Panels by their names."""
+        return {panel.name: panel for panel in self.panels}
 
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the panels."""
-        return tuple(panel.name for panel in self.panels)
+        return tuple(self.by_name)
+
+    @property
+    def grid(self) -> tuple[tuple[str, ...], ...]:
+        """Names of the panels in each row of the page."""
+        return self.rows or tuple((name,) for name in self.names)
 
     @property
     def laid_out(self) -> tuple[str, ...]:
         """Names of the panels of the page, from its top to its bottom."""
-        return tuple(dict.fromkeys(name for row in self.rows for name in row)) or self.names
+        return tuple(dict.fromkeys(name for row in self.grid for name in row))
 
     def overview(self) -> Figure:
         """Draw the page: A4 wide, and at most A4 high."""
         from matplotlib.figure import Figure
 
-        rows = self.rows or tuple((name,) for name in self.names)
+        rows, unlabelled = self.grid, self._unlabelled()
         heights = self.heights if len(self.heights) == len(rows) else self.heights * len(rows)
-        panels, unlabelled = {panel.name: panel for panel in self.panels}, self._unlabelled()
         with styled():
             height = min(2.5 * sum(heights) + 0.8, HEIGHT)
             figure = Figure(figsize=(WIDTH, height), layout="constrained")
             axes = figure.subplot_mosaic([list(row) for row in rows], height_ratios=heights)
-            legend_heights = {name: panels[name].draw(ax) for name, ax in axes.items()}  # [points]
+            legend_heights = {name: self.by_name[name].draw(ax) for name, ax in axes.items()}  # pt
             for letter, (name, ax) in zip(ascii_letters, axes.items(), strict=False):
-                row = next(row for row in rows if name in row)
                 # the titles of a row are at one height, above its highest legend
+                row = next(row for row in rows if name in row)
                 room = max(legend_heights[beside] for beside in row)
-                title = panels[name].title
+                title = self.by_name[name].title
                 ax.set_title(f"({letter}) {title}" if len(axes) > 1 else title, pad=4.0 + room)
                 if name in unlabelled:
                     ax.set_xlabel("")
@@ -79,11 +81,11 @@ class Sheet:
 
     def _unlabelled(self) -> set[str]:
         """Names of the panels whose x axis is labelled at a panel of the same width below."""
-        panels, names = {panel.name: panel for panel in self.panels}, set[str]()
-        for upper, lower in pairwise(self.rows or [(name,) for name in self.names]):
+        names = set[str]()
+        for upper, lower in pairwise(self.grid):
             for above, below in zip(upper, lower, strict=True):
                 is_as_wide = above != below and upper.count(above) == lower.count(below)
-                if is_as_wide and panels[above].shares_x(panels[below]):
+                if is_as_wide and self.by_name[above].shares_x(self.by_name[below]):
                     names.add(above)
         return names
 
@@ -96,7 +98,7 @@ class Sheet:
         """
         from matplotlib.figure import Figure
 
-        panel = {panel.name: panel for panel in self.panels}[name]
+        panel = self.by_name[name]
         with styled():
             figure = Figure(figsize=size, layout="constrained")
             ax = figure.subplots()
@@ -106,7 +108,7 @@ class Sheet:
 
 
 def rows_of(names: Sequence[str], columns: int) -> tuple[tuple[str, ...], ...]:
-    """Return the ``names`` in rows of ``columns`` places; the last name fills its row.
+    """Return the ``names`` in rows of ``columns`` places; the last name fills the last row.
 
     >>> rows_of(["a", "b", "c"], 2)
     (('a', 'b'), ('c', 'c'))
@@ -115,13 +117,12 @@ def rows_of(names: Sequence[str], columns: int) -> tuple[tuple[str, ...], ...]:
     return tuple(tuple(filled[i : i + columns]) for i in range(0, len(filled), columns))
 
 
-def _frame(figure: Figure, sheet: Sheet, width: int) -> None:
-    """Write title and result above the panels, and the note, ``width`` letters wide, below them."""
-    letters = int(figure.get_figwidth() / _LETTER)
-    lines = (sheet.title, *textwrap.wrap(unbroken(sheet.result), letters))
-    figure.suptitle("\n".join(lines), x=0.012, ha="left")
+def _frame(figure: Figure, sheet: Sheet, letters: int) -> None:
+    """Write title and result above the panels; below them the note in lines of so many letters."""
+    result = textwrap.wrap(unbroken(sheet.result), int(figure.get_figwidth() / _LETTER))
+    figure.suptitle("\n".join([sheet.title, *result]), x=0.012, ha="left")
     if sheet.note:
-        text = "\n".join(textwrap.wrap(unbroken(sheet.note), width))
+        text = "\n".join(textwrap.wrap(unbroken(sheet.note), letters))
         figure.supxlabel(text, x=0.012, ha="left", fontsize=7.0, color="#444444")
 
 
@@ -130,21 +131,19 @@ _METADATA: dict[str, dict[str, Any]] = {
     ".svg": {"Date": None, "Creator": "brake-cal"},
     ".pdf": {"CreationDate": None, "Producer": "brake-cal", "Creator": "brake-cal"},
 }
-"""Metadata of a file by its ending, without a time and a version, which would change bytes."""
+"""Metadata of a file by its ending; a time or a version would change the bytes."""
 ENDINGS = tuple(_METADATA)
-_BEGINS = (b"\x89PNG", b"<?xml", b"%PDF")
-"""First bytes of a file, one for each of the `ENDINGS`."""
 
 
 def is_picture(data: bytes) -> bool:
-    """Return whether the bytes of a file begin like those of a picture."""
-    return data.startswith(_BEGINS)
+    """Return whether the bytes of a file begin like those of PNG, SVG or PDF."""
+    return data.startswith((b"\x89PNG", b"<?xml", b"%PDF"))
 
 
 def render(figure: Figure, ending: str, text: bool = False) -> bytes:
     """Return a figure as the bytes of a file with an ``ending`` of `ENDINGS`.
 
-    An SVG with letters as ``text`` has half the size, and the font of the machine that shows it.
+    An SVG whose letters are ``text`` has half the size, and the font of the machine that shows it.
     """
     with styled(outlines=not text):
         buffer = io.BytesIO()
@@ -153,17 +152,18 @@ def render(figure: Figure, ending: str, text: bool = False) -> bytes:
 
 
 def save(pages: dict[Path, list[Figure]], step: Callable[[], None] = lambda: None) -> None:
-    """Write each file with its pages, of which only a PDF can have several.
+    """Write the ``pages`` of each file; only a PDF can have several.
 
     All pages are drawn before the first file is written; ``step`` is called after each page. Raises
     KeyError for an unknown ending, ValueError for too many pages, OSError as `write_whole`.
     """
     ready = {}
     for path, figures in pages.items():
-        ending, buffer = path.suffix.lower(), io.BytesIO()
+        ending = path.suffix.lower()
         if ending == ".pdf":
             from matplotlib.backends.backend_pdf import PdfPages
 
+            buffer = io.BytesIO()
             with styled(), PdfPages(buffer, metadata=_METADATA[ending]) as book:
                 for figure in figures:
                     figure.savefig(book, format="pdf")

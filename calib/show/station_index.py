@@ -1,4 +1,4 @@
-"""The page of an index of runs: the last car, the last runs by their verdicts, and trends."""
+"""The page of the runs at a station: the last car, the last runs by their verdicts, and trends."""
 
 import textwrap
 from collections import Counter
@@ -27,40 +27,44 @@ _DRAWN, _TITLE = 200, 50
 _AROUND = np.array([0.85, 1.15])
 """Smallest range of an axis without limits, over the median [1]."""
 _EVERY = 10
-"""Time after which `LIVE` loads itself again [s]."""
+"""Time after which the page `LIVE` reloads itself [s]."""
 _TORQUES = ("torque_per_bar_f", "torque_per_bar_r")
 
 
 def write_index(folder: Path) -> int:
-    """Write `INDEX` and `LIVE` of the runs below ``folder``; return the number of runs.
+    """Write the pages `INDEX` and `LIVE` of the runs below ``folder``; return their number.
 
     Raises OSError if the folder cannot be read or written.
     """
     runs = runs_below(folder)
-    for name, every in ((index.INDEX, 0), (index.LIVE, _EVERY)):
-        page = page_of(index_facts(runs, folder.absolute().name, every), every)
+    for name, again in ((index.INDEX, 0), (index.LIVE, _EVERY)):
+        page = page_of(index_facts(runs, folder.absolute().name, again > 0), again)
         write_whole(folder / name, page.encode())
     return len(runs)
 
 
-def index_facts(runs: Sequence[IndexedRun], name: str, every: int = 0) -> Facts:
-    """Return the facts of the ``runs``, the last one first, which load again ``every`` [s] or 0."""
-    last = runs[0] if runs else None
+def index_facts(runs: Sequence[IndexedRun], name: str, reloads: bool = False) -> Facts:
+    """Return the facts of ``runs``, the last one first, of a page that ``reloads`` or not."""
     counts = Counter(run.verdict for run in runs)
-    words = [w for w in (PASSED, WARNING, FAILED, index.NO_VERDICT, index.UNREADABLE) if counts[w]]
-    reloading, still = ("This page", index.INDEX) if every else (index.LIVE, "this page")
-    ranks = (FAILED, WARNING, PASSED)  # of equal ones the last run is first
-    shown = sorted(runs[:_LAST], key=lambda run: ranks.index(_verdict(run)))
+    verdicts = (PASSED, WARNING, FAILED, index.NO_VERDICT, index.UNREADABLE)
+    reloading, still = ("This page", index.INDEX) if reloads else (index.LIVE, "this page")
+    headline, verdict, word = "", "", "No run yet"
+    if runs:
+        last, why = runs[0], _why(runs[0])
+        headline, verdict = f"what to do: {why}" if why else "", _verdict(last)
+        word = f"{last.car or last.place}: {_heading(last)}"
+    ranks = (FAILED, WARNING, PASSED)
+    worst_first = sorted(runs[:_LAST], key=lambda run: ranks.index(_verdict(run)))
     return Facts(
         name,
-        headline=f"what to do: {why}" if last and (why := _why(last)) else "",
-        verdict=_verdict(last) if last else "",
-        word=f"{last.car or last.place}: {_heading(last)}" if last else "No run yet",
+        headline=headline,
+        verdict=verdict,
+        word=word,
         numbers=[
             ("car" if len(runs) == 1 else "cars", str(len(runs))),
-            *((word, str(counts[word])) for word in words),
+            *((verdict, str(counts[verdict])) for verdict in verdicts if counts[verdict]),
         ],
-        tables=[_table(shown, "The last cars, failed and refused ones on top.")],
+        tables=[_table(worst_first, "The last cars, failed and refused ones on top.")],
         notes=[f"{reloading} reloads itself every {_EVERY} s; {still} stays as it is."],
         pictures=_trends(runs[:_DRAWN]),
         parts=[Facts("Earlier cars", tables=[_table(runs[_LAST:])])],
@@ -88,7 +92,7 @@ def _trend(runs: Sequence[IndexedRun], key: str) -> Panel | None:
     values = np.array([run.trend[key] for run in measured if run.trend])
     limits = next((run.limits[key] for run in runs if run.limits and key in run.limits), ())
     y, ends = metric.factor * values, [metric.factor * end for end in limits if end is not None]
-    least = [] if ends else [np.median(y) * _AROUND]
+    least_range = [] if ends else [np.median(y) * _AROUND]
     title = f"{metric.name}: {metric.value(float(values[-1]))} {metric.unit}"
     return Panel(
         key,
@@ -101,25 +105,22 @@ def _trend(runs: Sequence[IndexedRun], key: str) -> Panel | None:
         ],
         xlim=(-0.5, x.size - 0.5),
         xticks=names_below([run.car or run.place for run in measured]),
-        ylim=axis_ends(y, np.array(ends), *least),
+        ylim=axis_ends(y, np.array(ends), *least_range),
     )
 
 
 def _table(runs: Sequence[IndexedRun], caption: str = "") -> Table:
-    """Return a table with a row for each run, which links the report of the run."""
-    rows = []
+    """Return a table with a row for each run, and a link to the report of the run."""
+    heads = ("car", "verdict", "what to do", "torque per bar f / r [N m]", "station", "time")
+    rows, links = [], []
     for run in runs:
-        trend = run.trend or {}
-        torque = " / ".join(metric_of(x).value(trend.get(x)) for x in _TORQUES) if trend else ""
+        torque = ""
+        if run.trend:
+            torque = " / ".join(metric_of(key).value(run.trend.get(key)) for key in _TORQUES)
         date = datetime.fromtimestamp(run.written_at).astimezone().strftime("%Y-%m-%d %H:%M")
         rows.append((run.car or run.place, _heading(run), _why(run), torque, run.station, date))
-    return Table(
-        ("car", "verdict", "what to do", "torque per bar f / r [N m]", "station", "time"),
-        rows,
-        caption,
-        list(map(_verdict, runs)),
-        [quote(f"{r.place}/{REPORT}") if r.verdict != index.NO_VERDICT else "" for r in runs],
-    )
+        links.append(quote(f"{run.place}/{REPORT}") if run.verdict != index.NO_VERDICT else "")
+    return Table(heads, rows, caption, list(map(_verdict, runs)), links)
 
 
 def _heading(run: IndexedRun) -> str:
@@ -127,7 +128,7 @@ def _heading(run: IndexedRun) -> str:
 
 
 def _why(run: IndexedRun) -> str:
-    """Return the first broken limit of a run with its next step, and the number of others."""
+    """Return what to do about a run: the first limit that it breaks, and how many others."""
     if run.verdict == index.UNREADABLE:
         return "what the run wrote is damaged: run the car again"
     if run.verdict == index.NO_VERDICT:
@@ -135,7 +136,7 @@ def _why(run: IndexedRun) -> str:
     if run.why is None:
         return f"see the report: {counted(run.bad, 'warning')}" if run.bad else ""
     figure, scope, value, action = run.why
-    shown = metric_of(figure)
+    metric = metric_of(figure)
     prefix = "" if scope == "car" else f"stop {scope}, "
     more = f" And {run.bad - 1} more." if run.bad > 1 else ""
-    return f"{prefix}{shown.name}: {shown.with_unit(value)}. {action}{more}"
+    return f"{prefix}{metric.name}: {metric.with_unit(value)}. {action}{more}"

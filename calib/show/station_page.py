@@ -16,8 +16,7 @@ from calib.line.station.station import TITLES, StationOutcome
 from calib.show.facts import WORDS, Facts, Picture, Row, Table
 from calib.show.html import page_of
 from calib.show.interactive import installed
-from calib.show.judged import budget_rows, judged, ramp_rows, stop_by_stop
-from calib.show.origin import origin
+from calib.show.judged import budget_rows, judged, origin, ramp_rows, stop_by_stop
 from calib.show.stop import torque_and_pads
 from calib.show.table import table_sheet
 from calib.show.validation import beside_best
@@ -48,17 +47,17 @@ def station_facts(run: StationRun) -> Facts:
     """
     outcome, stored, identity = run.outcome, run.stored, run.outcome.identity
     date = stored.state.stored_at[:10]
+    car = identity.get("vin") or identity.get("serial") or stored.name
     curves = Picture(_CURVES, lambda: table_sheet(outcome.table, stored.id), ("f1-f2", "map"))
-    of_car = [[check] for check in outcome.checks if check.stop is None]
-    car, unknown = judged("The car as a whole, the worst first.", of_car)
-    by_stop, unknown_too = stop_by_stop(outcome.results)
+    checks_of_car = [[check] for check in outcome.checks if check.stop is None]
+    of_car, unknown_of_car = judged("The car as a whole, the worst first.", checks_of_car)
+    of_stops, unknown_of_stops = stop_by_stop(outcome.results)
     budgets = outcome.table.budget.axles
-    advice = "" if outcome.passed else "find the cause, and run the car again"
+    next_step = "" if outcome.passed else "find the cause, and run the car again"
     if stored.state.word == DRAFT:
-        advice = f"brake-cal tables release {stored.id} --reason ... --evidence DIR/station.json"
+        next_step = f"brake-cal tables release {stored.id} --reason ... --evidence DIR/station.json"
     return Facts(
-        title="Brake torque calibration of "
-        + (identity.get("vin") or identity.get("serial") or stored.name),
+        title=f"Brake torque calibration of {car}",
         headline=f"{stored.id} is {_STATES[stored.state.word]}; {outcome.headline}",
         verdict=outcome.verdict,
         word=WORDS[outcome.verdict],
@@ -67,7 +66,7 @@ def station_facts(run: StationRun) -> Facts:
             ("unseen errors", unseen_line(unseen_in(stored, outcome.results))),
         ],
         tables=[_missed(outcome)],
-        next=advice,
+        next=next_step,
         warnings=outcome.warnings,
         parts=[
             Facts(
@@ -76,7 +75,7 @@ def station_facts(run: StationRun) -> Facts:
                 rows=budget_rows(budgets),
                 notes=advice_lines(budgets),
             ),
-            Facts("Metrics", tables=[car, by_stop], notes=[*unknown, *unknown_too]),
+            Facts("Metrics", tables=[of_car, of_stops], notes=[*unknown_of_car, *unknown_of_stops]),
             Facts("The run", rows=_run(outcome, date)),
             Facts("The table", pictures=[curves]),
             Facts("The stops", pictures=[torque_and_pads(r) for r in outcome.results]),
@@ -88,17 +87,16 @@ def station_facts(run: StationRun) -> Facts:
 
 def _missed(outcome: StationOutcome) -> Table:
     """Return a table of the broken limits, those that fail the car first, with next steps."""
-    steps = [
+    rows = [
         (check.verdict, check.text, check.action)
         for verdict in (FAILED, WARNING)
         for check in outcome.checks
         if check.verdict == verdict
     ]
-    return Table(("verdict", "result", "next step"), steps, _MISSED, [step[0] for step in steps])
+    return Table(("verdict", "result", "next step"), rows, _MISSED, [row[0] for row in rows])
 
 
 def _run(outcome: StationOutcome, date: str) -> list[Row]:
-    """Return what was judged: the car, date, operator, limits and golden table."""
     return [
         ("Vehicle", outcome.table.vehicle.name),
         *((TITLES[name], value) for name, value in outcome.identity.items()),
@@ -115,8 +113,9 @@ def store_and_write(
 ) -> tuple[Stored, dict[str, Any]]:
     """Write all files into the folder ``work``, then store the table with its state in one step.
 
-    Return the stored table and `station.json`. If another run took the number of the version
-    meanwhile, the files are written again. Raises OSError, ExchangeError, StoreError.
+    Return the stored table and the document of `station.json`. The files name the version before it
+    is stored; they are written again if another run took its number meanwhile. Raises OSError,
+    ExchangeError, StoreError.
     """
     results = list(outcome.results)
     while True:
@@ -130,9 +129,9 @@ def store_and_write(
         write_whole(work / files.REPORT, page.encode())
         names = sorted(path.name for path in work.iterdir() if path.name != files.DOCUMENT)
         document = files.to_dict(outcome, stored, names)
-        written = files.to_text(document).encode()
-        write_whole(work / files.DOCUMENT, written)
+        content = files.to_text(document).encode()
+        write_whole(work / files.DOCUMENT, content)
         expected = stored
-        stored = store.save(outcome.table, outcome.decision(sha256(written)))
+        stored = store.save(outcome.table, outcome.decision(sha256(content)))
         if (stored.id, stored.state.word) == (expected.id, expected.state.word):
             return stored, document

@@ -1,4 +1,4 @@
-"""A stop over time: the brake torques that an ECU answers, then pads, forces and slip.
+"""A stop over time: the brake torques that an ECU estimates, then pads, forces and slip.
 
     an estimate or a stored result --> _Stop --> a sheet, Figs. 9 to 16 of the paper
 
@@ -8,6 +8,7 @@ The time axis is the braking, with `_AROUND` before the first bite and after the
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -38,33 +39,31 @@ _BEFORE: Stroke = {"linestyle": style.DASH_DOT, "linewidth": 0.9}
 _SLIP_MEAN = 0.3
 """Window of the mean of slip [s]: long, since slip is the difference of nearly equal speeds."""
 _SHORTEST = 0.05
-"""Shortest time without a valid answer whose reason is named [s]."""
+"""Shortest time without a valid estimate whose reason is named [s]."""
 _BRAKED, _AROUND = 0.02, 0.5
 """Share of the largest torque above which a sample is braked; time drawn before and after [s]."""
 _GREYS = ("#EFEFEF", "#DEDEDE", "#CFCFCF")
-"""Shades of the reasons for no valid answer, the longest first; the last for all others."""
-_NO_SAMPLE = "no sample of this run counts"
+"""Shades of the reasons for no valid estimate, the longest first; the last for all others."""
+
+
+class _Invalid(NamedTuple):
+    """Samples without a valid estimate for one reason."""
+
+    reason: str
+    samples: Mask  # (n,)
+    duration: float  # of those in the picture [s]
 
 
 @dataclass(frozen=True)
 class _Stop:
-    """A stop of n samples to draw.
+    """A stop of n samples to draw."""
 
-    Attributes
-    ----------
-    columns : columns (n,) of an estimate or of a stored result, by their names.
-    valid : samples (n,) in which the answer of the ECU counts.
-    source : where the ``pads`` are from, in words.
-    pads : pad friction of the front and the rear axle before the stop [1]; () if not known.
-    truth, slips : true values; slip of the front and the rear axle [1], (2, n). None if not known.
-    """
-
-    columns: Columns
-    valid: Mask
-    source: str
-    pads: Sequence[float]
-    truth: Truth | None = None
-    slips: Pair | None = None
+    columns: Columns  # of an estimate or of a stored result
+    valid: Mask  # samples (n,) in which the estimate of the ECU counts
+    source: str  # where the ``pads`` are from, in words
+    pads: Sequence[float]  # front and rear pad friction before the stop [1]; () if not known
+    truth: Truth | None = None  # None if not known
+    slips: Pair | None = None  # of the front and the rear axle [1], (n,) each; None if not known
 
     @property
     def time(self) -> Array:
@@ -72,7 +71,7 @@ class _Stop:
         return np.asarray(self.columns["time"])
 
     @cached_property
-    def drawn(self) -> Mask:
+    def in_picture(self) -> Mask:
         """Samples of the braking (n,) and `_AROUND` around it; all samples if nothing brakes."""
         torque, time = np.asarray(self.columns["ecu_brake_torque_sum"]), self.time
         braked = time[torque > _BRAKED * np.max(torque)]
@@ -80,20 +79,20 @@ class _Stop:
         return np.asarray((time >= first - _AROUND) & (time <= last + _AROUND))
 
     @cached_property
-    def refused(self) -> dict[str, tuple[Mask, float]]:
-        """Samples (n,) without a valid answer, and their drawn time [s]; the longest time first."""
-        if not self.valid.any():
-            masks = {_NO_SAMPLE: ~self.valid}
-        else:
+    def invalid(self) -> list[_Invalid]:
+        """Samples without a valid estimate, by reason; the longest duration first."""
+        if self.valid.any():
             number = np.asarray(self.columns["ecu_reason"])
-            masks = {reason.words: ~self.valid & (number == reason) for reason in Reason}
+            samples = {reason.words: ~self.valid & (number == reason) for reason in Reason}
+        else:
+            samples = {"no sample of this run counts": ~self.valid}
         step = float(np.median(np.diff(self.time)))
-        refused = {
-            reason: (mask, step * np.count_nonzero(mask & self.drawn))
-            for reason, mask in masks.items()
+        invalid = [
+            _Invalid(reason, mask, step * np.count_nonzero(mask & self.in_picture))
+            for reason, mask in samples.items()
             if mask.any()
-        }
-        return dict(sorted(refused.items(), key=lambda item: -item[1][1]))
+        ]
+        return sorted(invalid, key=lambda entry: -entry.duration)
 
     @property
     def on_map(self) -> Pair:
@@ -102,7 +101,7 @@ class _Stop:
         return eta[self.valid] - 1.0, z[self.valid]
 
     def where_valid(self, name: str) -> Array:
-        """Return a column (n,), NaN where the ECU has no valid answer."""
+        """Return a column (n,), NaN where the ECU has no valid estimate."""
         return np.where(self.valid, self.columns[name], np.nan)
 
 
@@ -114,12 +113,15 @@ def of_result(result: StoredResult) -> Sheet:
 
 def of_estimate(estimate: Estimate) -> Sheet:
     """Return the sheet of an estimate, which has no verdict."""
-    stop, name = _stop_of(estimate, None), estimate.run.log.name
-    return _sheet("stop", name, stop, "", [], estimate.table)
+    name = estimate.run.log.name
+    return _sheet("stop", name, _stop_of(estimate), "", [], estimate.table)
 
 
 def of_validation(result: Validation, name: str = "", vehicle: Vehicle | None = None) -> Sheet:
-    """Return the sheet of a stop of a table ``name``, beside the pads of ``vehicle`` or ramp."""
+    """Return the sheet of a stop that was judged with the table ``name``.
+
+    The pads before the stop are those of ``vehicle``, or those of the ramp without it.
+    """
     stop, table = _stop_of(result.estimate, vehicle), result.estimate.table
     titles = warned(warning.title for warning in result.all_warnings)
     note = f"Table {name or table.name}, digest {table.digest[:16]}.{titles}"
@@ -132,7 +134,7 @@ def torque_and_pads(result: Validation) -> Picture:
     """Return the picture of a page with brake torque and pad friction of a stop."""
 
     def draw() -> Sheet:
-        stop = _stop_of(result.estimate, None)
+        stop = _stop_of(result.estimate)
         return Sheet("stop", result.log, (_torque_panel(stop), _pad_panel(stop)))
 
     return Picture(f"{result.log}: what the ECU makes of it; bands are 95 %.", draw)
@@ -143,13 +145,13 @@ def stops_on_map(results: Sequence[Validation]) -> Picture:
 
     def draw() -> Sheet:
         table = results[0].estimate.table
-        places = {result.log: _stop_of(result.estimate, None).on_map for result in results}
+        places = {result.log: _stop_of(result.estimate).on_map for result in results}
         return Sheet("stops", table.name, map_panels(table, places)[:1])
 
     return Picture("Where the stops are on the map that the ECU looks up.", draw)
 
 
-def _stop_of(e: Estimate, vehicle: Vehicle | None) -> _Stop:
+def _stop_of(e: Estimate, vehicle: Vehicle | None = None) -> _Stop:
     """Return an estimate as a stop, with the pads of ``vehicle``, or of the ramp for None."""
     ramp = e.table.calibration
     source, pads = "on the ramp", (ramp.pad_friction_f.value, ramp.pad_friction_r.value)
@@ -161,18 +163,18 @@ def _stop_of(e: Estimate, vehicle: Vehicle | None) -> _Stop:
 def _sheet(
     kind: str, name: str, stop: _Stop, note: str, verdict: Sequence[str], table: Table | None = None
 ) -> Sheet:
-    """Return the sheet of a stop, with the map of the ``table``.
+    """Return the sheet of a stop, with the map of the ``table`` if there is one.
 
-    The first text of ``verdict`` goes into the title, the others below.
+    The first text of ``verdict`` goes into the title, the others into the result.
     """
     panels = [_torque_panel(stop), _pad_panel(stop), _force_panel(stop), _slip_panel(stop)]
     rows = [(panel.name,) * 2 for panel in panels]
     if table is not None:
         panels.append(map_panels(table, {name: stop.on_map})[0])
         rows[2:] = ("normalised-forces", "map"), ("slip", "map")
-    times = [(time, reason) for reason, (_, time) in stop.refused.items() if time >= _SHORTEST]
-    refused = ", ".join(f"{time:.1f}{NBSP}s {reason}" for time, reason in times)
-    grey = f" Grey, no valid answer: {refused}." if refused else ""
+    named = [entry for entry in stop.invalid if entry.duration >= _SHORTEST]
+    reasons = ", ".join(f"{entry.duration:.1f}{NBSP}s {entry.reason}" for entry in named)
+    grey = f" Grey, no valid answer: {reasons}." if reasons else ""
     answer = in_words(means(stop.columns, stop.valid)) or "no valid answer"
     return Sheet(
         kind=kind,
@@ -187,34 +189,36 @@ def _sheet(
 
 
 def _panel(
-    stop: _Stop, labels: Sequence[str], lines: Sequence[Line], shown: Iterable[Array] = ()
+    stop: _Stop, labels: Sequence[str], lines: Sequence[Line], in_view: Iterable[Array] = ()
 ) -> Panel:
-    """Return a panel over time, as high as the values ``shown``, (n,) each.
+    """Return a panel over time; its y axis spans the values ``in_view``, (n,) each.
 
-    ``labels`` are name, title and y axis. Samples without a valid answer are grey; the legend of
-    the torques has the reasons.
+    ``labels`` are name, title and y axis. Samples without a valid estimate are grey; the legend of
+    the torques names the reasons.
     """
     (name, title, y), marks = labels, list[Mark]()
-    for i, (reason, (mask, duration)) in enumerate(stop.refused.items()):
+    for i, (reason, samples, duration) in enumerate(stop.invalid):
         look: Stroke = {"color": _GREYS[min(i, len(_GREYS) - 1)]}
         is_named = name == "axle-torques" and duration >= _SHORTEST
         label = f"not valid: {reason}" if is_named else ""
-        for start, end in true_intervals(mask):
+        for start, end in true_intervals(samples):
             last = stop.time[min(end, stop.time.size - 1)]
             marks.append(Mark(stop.time[start], last, look, label))
             label = ""  # the legend names a reason once
-    drawn = stop.time[stop.drawn]
-    ends = style.axis_ends(*(np.asarray(x)[stop.drawn] for x in shown), with_zero=name != "pads")
+    time = stop.time[stop.in_picture]
+    in_picture = (np.asarray(values)[stop.in_picture] for values in in_view)
+    ylim = style.axis_ends(*in_picture, with_zero=name != "pads")
     return Panel(name, title, "time [s]", y, lines, marks,
-                 xlim=(drawn[0], drawn[-1]), ylim=ends, columns=2)  # fmt: skip
+                 xlim=(time[0], time[-1]), ylim=ylim, columns=2)  # fmt: skip
 
 
 def _torque_panel(stop: _Stop) -> Panel:
     """Return the panel of the ECU's torques, with those of the pads before the stop and truth."""
     lines, answers = list[Line](), torques(stop.columns)
     for side, look, torque in zip(SIDES, (style.FRONT, style.REAR, _TOTAL), answers, strict=True):
-        ends = (np.where(stop.valid, end / 1e3, np.nan) for end in torque[1:])
-        low, high = (style.smooth(stop.time, end) for end in ends)
+        low, high = (
+            style.smooth(stop.time, np.where(stop.valid, end / 1e3, np.nan)) for end in torque[1:]
+        )
         label = f"{side}, with 95 % band"
         lines.append(Line(stop.time, torque.value / 1e3, look, label, (low, high), style.MEAN))
     for (axle, look), torque, pad in zip(_STROKES.items(), answers, stop.pads, strict=False):
@@ -223,22 +227,22 @@ def _torque_panel(stop: _Stop) -> Panel:
         label = f"{AXLE_NAMES[axle]} pads {stop.source}"
         lines.append(Line(stop.time, mean, {**_BEFORE, "color": look["color"]}, label))
     if stop.truth:
-        front, rear = 2.0 * stop.truth.torque / 1e3
+        front, rear = 2.0 * stop.truth.torque / 1e3  # two wheels on each axle
         true = zip((front, rear, front + rear), ("truth", "", ""), strict=True)
         lines += [Line(stop.time, y, style.TRUTH, label) for y, label in true]
-    shown = [np.asarray(x) for line in lines for x in (line.y, *(line.band or ()))]
+    in_view = [np.asarray(values) for line in lines for values in (line.y, *(line.band or ()))]
     title = "Brake torque of the axles and of both"
-    return _panel(stop, ("axle-torques", title, "brake torque [kN m]"), lines, shown)
+    return _panel(stop, ("axle-torques", title, "brake torque [kN m]"), lines, in_view)
 
 
 def _pad_panel(stop: _Stop) -> Panel:
     """Return the panel of the pads (Fig. 9): of the ECU, the best estimate, the ramp, the truth."""
-    lines, thin_lines, shown = list[Line](), list[Line](), list[Array]()
+    lines, thin_lines, in_view = list[Line](), list[Line](), list[Array]()
     for axle, look in _STROKES.items():
         pad, low, high = (stop.where_valid(f"ecu_pad_friction_{axle}{end}") for end in ENDS)
         thick, label = {**look, "linewidth": 1.8}, f"{AXLE_NAMES[axle]}, with 95 % band"
         lines.append(Line(stop.time, pad, thick, label, (low, high)))
-        shown += [low, high]
+        in_view += [low, high]
         best = stop.where_valid(f"pad_friction_{axle}")
         if not np.array_equal(best, pad, equal_nan=True):
             thin = {**look, "linewidth": 0.9}
@@ -247,13 +251,13 @@ def _pad_panel(stop: _Stop) -> Panel:
         label = f"{AXLE_NAMES[axle]} {stop.source}, {mu:.3f}"
         thin = {**_BEFORE, "color": look["color"]}
         thin_lines.append(Line(stop.time[[0, -1]], [mu, mu], thin, label))
-        shown.append(np.full(stop.time.size, mu))
+        in_view.append(np.full(stop.time.size, mu))
     for i, mu in enumerate(stop.truth.pad_friction if stop.truth else ()):
         true = style.smooth(stop.time, mu)
         thin_lines.append(Line(stop.time, true, style.TRUTH, "" if i else "truth"))
-        shown.append(true)
+        in_view.append(true)
     labels = "pads", "Pad friction", "pad friction [1]"
-    return _panel(stop, labels, [*lines, *thin_lines], shown)
+    return _panel(stop, labels, [*lines, *thin_lines], in_view)
 
 
 def _force_panel(stop: _Stop) -> Panel:
@@ -266,21 +270,22 @@ def _force_panel(stop: _Stop) -> Panel:
         )
     ]
     labels = "normalised-forces", "Force over load, best estimate", "force over load [1]"
-    return _panel(stop, labels, lines, [line.shown for line in lines])
+    return _panel(stop, labels, lines, [line.line_values for line in lines])
 
 
 def _slip_panel(stop: _Stop) -> Panel:
-    """Return the panel of eta - 1, and of the slip of the axles where v is known.
+    """Return the panel of eta - 1, and of the slip of the axles if v is known.
 
-    Its y axis spans the valid values, without the 0.5 % at either end.
+    Its y axis leaves out the lowest and the highest 0.5 % of the valid values.
     """
-    slips = zip(AXLE_NAMES.values(), stop.slips or (), _STROKES.values(), strict=False)
-    shown = [(f"{axle} slip", slip, look) for axle, slip, look in slips]
-    shown.append(("\u03b7 - 1", np.asarray(stop.columns["eta"]) - 1.0, style.IDENTIFIED))
+    names = [f"{axle} slip" for axle in AXLE_NAMES.values()]
+    curves = list(zip(names, stop.slips or (), _STROKES.values(), strict=False))
+    curves.append(("\u03b7 - 1", np.asarray(stop.columns["eta"]) - 1.0, style.IDENTIFIED))
     lines = [
-        Line(stop.time, 100.0 * values, look, name, mean=_SLIP_MEAN) for name, values, look in shown
+        Line(stop.time, 100.0 * values, look, name, mean=_SLIP_MEAN)
+        for name, values, look in curves
     ]
-    samples = stop.valid if stop.valid.any() else stop.drawn
+    samples = stop.valid if stop.valid.any() else stop.in_picture
     ends = [np.quantile(np.asarray(line.y)[samples], [0.005, 0.995]) for line in lines]
     panel = _panel(stop, ("slip", "Slip", f"slip, {style.ETA}"), lines)
     return replace(panel, ylim=style.axis_ends(np.zeros(1), *ends))

@@ -25,25 +25,27 @@ if TYPE_CHECKING:
 
 
 def listed(rows: Sequence[ListedVersion]) -> Facts:
-    """Return a list of versions of tables; notes say which cannot be used, and why."""
+    """Return the list of all versions; notes say which cannot be used, and why."""
     heads = ("table", "state", "stored", "car", "logs", "pads f/r", "range [g]", "band", "verdict")
     flaws = [f"{row['id']} cannot be used: {row['flaw']}" for row in rows if row["flaw"]]
     return Facts(tables=[Table(heads, list(map(_listed, rows)))], notes=flaws)
 
 
 def _listed(row: ListedVersion) -> Sequence[str]:
-    cells = (row["id"], row["state"], row["date"][:10])
+    first_cells = (row["id"], row["state"], row["date"][:10])
     if row["flaw"]:
-        return *cells, *[""] * 6
+        return *first_cells, *[""] * 6
     warned = counted(row["warnings"], "warning") if row["warnings"] else ""
+    signed = "signed" if row["key"] else ""
+    low, high = row["usable"]
     return (
-        *cells,
+        *first_cells,
         " ".join(filter(None, (row["serial"], row["vin"]))),
         str(len(row["logs"])),
-        "/".join(f"{x:.3f}" for x in row["pads"]),
-        "{:.2f}-{:.2f}".format(*row["usable"]),
+        "/".join(f"{friction:.3f}" for friction in row["pads"]),
+        f"{low:.2f}-{high:.2f}",
         "" if row["band_width"] is None else f"{100 * row['band_width']:.0f} %",
-        ", ".join(filter(None, (row["verdict"], warned, "signed" if row["key"] else ""))),
+        ", ".join(filter(None, (row["verdict"], warned, signed))),
     )
 
 
@@ -70,7 +72,8 @@ def table_facts(stored: Stored) -> Facts:
 
 def _made_of(stored: Stored) -> Facts:
     table, car, key = stored.table, stored.table.vehicle, signer(stored)
-    scale = table.calibration.pad_scale
+    scale, (eta, D) = table.calibration.pad_scale, table.difference.peak
+    low, high = scale.ci95
     rows: list[Row] = [
         *(("warning", str(warning)) for warning in table.warnings),
         ("digest", stored.digest),
@@ -82,9 +85,9 @@ def _made_of(stored: Stored) -> Facts:
           for x in mean_figures(table)),
         *((log.role, f"{log.name} ({log.digest[:12]})") for log in table.provenance.logs),
         *((spaced(value.effect), str(value)) for value in effect_figures(table)),
-        ("pad scale", "{:.4g} (95 %: {:.4g} to {:.4g})".format(scale.value, *scale.ci95)),
+        ("pad scale", f"{scale.value:.4g} (95 %: {low:.4g} to {high:.4g})"),
         *budget_rows(table.budget.axles),
-        ("largest D", "eta {:.5f}, D {:.4f}".format(*table.difference.peak)),
+        ("largest D", f"eta {eta:.5f}, D {D:.4f}"),
         *((metric_of(key).name, metric_of(key).with_unit(x)) for key, x in table.quality.items()),
     ]  # fmt: skip
     return Facts("Record", rows=rows, notes=[*advice_lines(table.budget.axles)[1:], *table.remarks])
@@ -134,10 +137,10 @@ def merged(stored: Stored) -> Facts:
     """Return the facts of a mean of several cars, with the spread between the cars."""
     cells = []
     for figure in mean_figures(stored.table):
-        shares = figure.half_width, Z95 * figure.between
-        half, between = (f"{100.0 * share:.2f}{NBSP}%" for share in shares)
-        spread = between if figure.between > 0.0 else "less than noise"
-        cells.append((figure.name, f"{figure.value:.4g}", f"±{NBSP}{half}", spread))
+        half_width, spread = f"±{NBSP}{100.0 * figure.half_width:.2f}{NBSP}%", "less than noise"
+        if figure.between > 0.0:
+            spread = f"{100.0 * (Z95 * figure.between):.2f}{NBSP}%"
+        cells.append((figure.name, f"{figure.value:.4g}", half_width, spread))
     return Facts(
         headline=f"stored {stored.id}",
         tables=[Table(("of the mean", "value", "95 % of the mean", "95 % between cars"), cells)],
@@ -177,11 +180,11 @@ def compared(difference: "Difference", first: Stored, second: Stored) -> Facts:
     headline = f"{a} and {b} are {difference.verdict}"
     if difference.identical:
         return Facts(headline=headline)
-    curves = [
-        (gap.curve, f"{gap.start:.5f}", f"{gap.end:.5f}", f"{gap.largest:+.5f}", f"{gap.at:.5f}",
-         f"{gap.in_bands:.2f}")
-        for gap in difference.curves
-    ]  # fmt: skip
+    curves = []
+    for gap in difference.curves:
+        places = (f"{x:.5f}" for x in (gap.start, gap.end))
+        largest = f"{gap.largest:+.5f}", f"{gap.at:.5f}", f"{gap.in_bands:.2f}"
+        curves.append((gap.curve, *places, *largest))
     values = [(v.name, f"{v.a:.4f}", f"{v.b:.4f}", f"{v.in_bands:.2f}") for v in difference.values]
     changed = ", ".join(f"{len(keys)} of {part}" for part, keys in difference.changes.items())
     heads = ("value", first.id, second.id, "in 95 % bands")
@@ -231,10 +234,11 @@ def returned(file: "Returned", stored: Stored | None, difference: "FromFile") ->
         headline = f"agrees with {stored.id} {how}"
         if difference.missing:
             headline += f", without {counted(len(difference.missing), 'label')}"
+    differences = [f"differs: {text}" for text in difference.wrong]
+    missing = [f"not in the file: {name}" for name in difference.missing]
     return Facts(
         headline=headline,
         verdict=FAILED if difference.wrong else PASSED,
-        notes=[f"differs: {what}" for what in difference.wrong]
-        + [f"not in the file: {name}" for name in difference.missing],
+        notes=[*differences, *missing],
         parts=[Facts("What is in the file", rows=[("table", file.table), *file.facts.items()])],
     )

@@ -1,36 +1,53 @@
-"""The style of all figures: fonts, colours and line styles.
+"""Colours and line styles of all figures, and helpers for drawing: smoothing, ends of axes, names.
 
-Colours are those of Okabe and Ito, which colour-blind readers can distinguish; every line style
-differs as well, for prints in grey.
+Fonts and sizes are in `templates/figures.mplstyle`. Colours are those of Okabe and Ito, which
+colour-blind readers can distinguish; line styles differ as well, for prints in grey.
 """
 
+import math
 import textwrap
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+# "as" lets the other modules of the room import these types from here
 from calib.base.arrays import Array as Array
-from calib.base.arrays import Index as Index
+from calib.base.arrays import Index
 from calib.base.arrays import Mask as Mask
 from calib.logs.clock import step_of
 from calib.run.filters import centred_mean, samples_in
 
 if TYPE_CHECKING:
+    from matplotlib import RcParams
     from matplotlib.axes import Axes as Axes
     from matplotlib.figure import Figure as Figure
 else:
-    Axes = Figure = "of matplotlib, which is imported when something is drawn"
+    Axes = Figure = Any  # matplotlib is imported when something is drawn
 
 Stroke = dict[str, Any]
 """Look of a line: colour, width, dashes and marker by their names in matplotlib."""
 
 WIDTH, HEIGHT = 8.27, 11.69
 """Width of a page [in], and its largest height: A4."""
+LINE_WIDTH = 1.3
+"""Usual width of a line [pt], as in `figures.mplstyle`."""
+_BAND = 0.25
+"""Share of the line's colour in the colour of its band [1]; the rest is white."""
+SHADE = "#E9E9E9"
+"""Colour of a marked range of an axis."""
+ETA = "\u03b7 - 1 [%]"
+"""Label of an axis; eta is the wheel speed of the rear axle over that of the front axle (22)."""
+MEAN = 0.1
+"""Window of the mean of a noisy line [s]."""
+_NAMED, _LETTERS = 8, 56
+"""Largest number of names below an axis; letters that fit there side by side."""
 
 DASHED, DOTTED, DASH_DOT, LONG = (0, (4, 1.6)), (0, (1, 1.4)), (0, (5, 1.5, 1, 1.5)), (0, (8, 2))
-"""Dashes: the offset of the first one, then lengths of dashes and gaps over the line's width."""
+"""Dashes: an offset, then the lengths of dash, gap, dash ... in line widths."""
 
 FRONT: Stroke = {"color": "#0072B2", "linestyle": "-"}
 REAR: Stroke = {"color": "#D55E00", "linestyle": DASHED}
@@ -52,59 +69,20 @@ def dots(stroke: Stroke, size: float, marker: str = "o", **more: Any) -> Stroke:
 
 
 def pale(colour: str) -> str:
-    """Return the colour #RRGGBB of the band of a line of a ``colour``: mixed with white.
+    """Return a ``colour`` #RRGGBB mixed with white, for the band of a line.
 
-    A band is opaque, since transparent bands that overlap look grey.
+    Mixed and not transparent, since transparent bands that overlap look grey.
     """
-    red_green_blue = (int(colour[i : i + 2], 16) for i in (1, 3, 5))
-    return "#" + "".join(f"{255 - round(_BAND * (255 - part)):02X}" for part in red_green_blue)
+    channels = (int(colour[i : i + 2], 16) for i in (1, 3, 5))  # red, green, blue: 0 to 255
+    return "#" + "".join(f"{255 - round(_BAND * (255 - channel)):02X}" for channel in channels)
 
 
-_BAND = 0.25
-"""Share of the line's colour in its band [1]."""
-SHADE = "#E9E9E9"
-"""Colour of a range on an axis."""
-ETA = "\u03b7 - 1 [%]"
-"""Label of an axis; eta is the wheel speed of the rear axle over that of the front axle (22)."""
-LINE_WIDTH = 1.3
-"""Usual width of a line [pt]."""
-MEAN = 0.1
-"""Window of the mean of a noisy line [s]."""
+@cache
+def _settings() -> "RcParams":
+    from matplotlib import rc_params_from_file
 
-_RC: dict[str, Any] = {
-    "font.family": "DejaVu Sans",  # part of matplotlib: the same on every machine
-    "font.size": 8.0,
-    "axes.titlesize": 8.5,
-    "axes.titleweight": "bold",
-    "axes.titlelocation": "left",
-    "axes.titley": 1.0,  # else each drawing looks for ticks that a title would cover
-    "axes.labelsize": 8.0,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "axes.formatter.useoffset": False,
-    "axes.xmargin": 0.01,
-    "grid.color": "#DDDDDD",
-    "grid.linewidth": 0.5,
-    "lines.linewidth": LINE_WIDTH,
-    "legend.fontsize": 7.0,
-    "legend.frameon": False,
-    "legend.handlelength": 2.3,
-    "legend.columnspacing": 1.0,
-    "legend.borderaxespad": 0.15,
-    "legend.borderpad": 0.1,
-    "xtick.labelsize": 7.5,
-    "ytick.labelsize": 7.5,
-    "figure.titlesize": 11.0,
-    "figure.titleweight": "bold",
-    "figure.constrained_layout.h_pad": 0.09,
-    "figure.constrained_layout.w_pad": 0.07,
-    "savefig.dpi": 160,
-    "text.parse_math": False,  # a name may hold dollars
-    "pdf.fonttype": 42,  # text in a PDF can be searched and copied
-    "svg.hashsalt": "brake-cal",  # the same ids in every file
-}
+    file = Path(__file__).parent / "templates" / "figures.mplstyle"
+    return rc_params_from_file(file, use_default_template=False)
 
 
 @contextmanager
@@ -117,14 +95,14 @@ def styled(outlines: bool = True) -> Iterator[None]:
 
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
-        for name, value in (_RC | {"svg.fonttype": "path" if outlines else "none"}).items():
-            matplotlib.rcParams[name] = value  # type: ignore[index]
+        matplotlib.rcParams.update(_settings())
+        matplotlib.rcParams["svg.fonttype"] = "path" if outlines else "none"
         yield
 
 
 def smooth(time: Array, values: Array, window: float = MEAN) -> Array:
     """Return the centred mean (n,) of finite ``values`` over a ``window`` [s]; NaN stays NaN."""
-    width = samples_in(window, step_of(time)) | 1
+    width = samples_in(window, step_of(time)) | 1  # odd, so that the mean has a middle sample
     is_finite = np.isfinite(values)
     weight = centred_mean(is_finite.astype(float), width)
     total = centred_mean(np.where(is_finite, values, 0.0), width)
@@ -136,8 +114,8 @@ def axis_ends(
 ) -> tuple[float, float] | None:
     """Return the ends of an axis that shows all finite ``values``; None without a finite value.
 
-    ``margin`` at both ends is over the range of the values [1]. An axis ``with_zero`` shows 0, too,
-    and has no margin below 0.
+    ``margin`` is the share of the range that is added at both ends [1]. An axis ``with_zero`` shows
+    0, too, and has no margin below 0.
     """
     finite = np.concatenate([np.empty(0), *(v[np.isfinite(v)] for v in values)])
     if finite.size == 0:
@@ -145,41 +123,40 @@ def axis_ends(
     low, high = float(finite.min()), float(finite.max())
     if with_zero:
         low, high = min(low, 0.0), max(high, 0.0)
-    room = margin * (high - low) or 0.1 * abs(high) or 1.0
+    room = margin * (high - low)
+    if room == 0.0:  # all values are equal
+        room = 0.1 * abs(high) if high else 1.0
     return (low if with_zero and low == 0.0 else low - room), high + room
 
 
 def envelope(y: Array, parts: int) -> Index:
-    """Return the indices of the lowest and the highest point of ``y`` (n,) in each of ``parts``.
+    """Return the indices of the points that make a drawn line look like ``y`` (n,).
 
-    These points look like the line. A short line keeps all its points.
+    ``y`` is cut into ``parts`` of equal length; each gives its lowest and its highest point. A
+    line of at most 4 * ``parts`` points keeps all of them.
     """
     if y.size <= 4 * parts:
         return np.arange(y.size)
-    width = -(-y.size // parts)
+    width = math.ceil(y.size / parts)
     padded = np.full(parts * width, np.nan)
     padded[: y.size] = y
-    low, high = (np.where(np.isnan(padded), end, padded) for end in (np.inf, -np.inf))
-    lowest = np.argmin(low.reshape(parts, width), axis=1)
-    highest = np.argmax(high.reshape(parts, width), axis=1)
-    points = np.sort([lowest, highest], axis=0) + width * np.arange(parts)
+    rows = padded.reshape(parts, width)
+    lowest = np.argmin(np.where(np.isnan(rows), np.inf, rows), axis=1)
+    highest = np.argmax(np.where(np.isnan(rows), -np.inf, rows), axis=1)
+    points = np.sort([lowest, highest], axis=0) + width * np.arange(parts)  # (2, parts)
     return np.minimum(points.T.ravel(), y.size - 1)
 
 
 def names_below(names: Sequence[str]) -> list[str]:
-    """Return the names in short lines that fit below the axis of a small panel; [] if many."""
+    """Return names in short lines, to stand below the axis of a small panel; [] if too many."""
     if not 0 < len(names) <= _NAMED:
         return []
     letters = _LETTERS // len(names) - 1
     return [textwrap.fill(as_text(name), letters) for name in names]
 
 
-_NAMED, _LETTERS = 8, 56
-"""Largest number of names below an axis; letters that fit there side by side."""
-
-
 def as_text(name: str) -> str:
-    """Return a name in ASCII, other letters as question marks.
+    """Return a name in ASCII, with question marks for other letters.
 
     A space goes before an underscore, since matplotlib hides a label that begins with one.
     """

@@ -19,29 +19,29 @@ _MEASURED_POINTS = "ramps, drag taken out"
 
 
 def table_sheet(table: Table, name: str, ramps: _Ramps = ()) -> Sheet:
-    """Return the sheet of a table of the id ``name``, with the measured points of its ``ramps``."""
+    """Return the sheet of a table with the id ``name``, and the measured points of ``ramps``."""
     (front, rear), pads = per_bar(table), " and ".join(ramp_pads(table))
+    torques = f"Brake torque front {front}, rear {rear} {UNIT} per bar"
+    panels = (_curves(table, ramps), _tyre(table), *map_panels(table), forest(table), pairs(table))
     return Sheet(
         kind="table",
         name=name,
-        panels=(
-            _curves(table, ramps), _tyre(table), *map_panels(table), forest(table), pairs(table)
-        ),
+        panels=panels,
         rows=(("f1-f2", "f1-f2"), ("map", "map-band"), ("tyre", "posterior")),
         heights=(1.4, 1.4, 1.2),
         title=f"Table {name}",
         note=_note(table, bool(ramps)),
-        result=f"Brake torque front {front}, rear {rear} {UNIT} per bar, pads {pads} (95 %); "
-        f"curves valid up to {table.paper.usable[1]:.2f} g",
-    )  # fmt: skip
+        result=f"{torques}, pads {pads} (95 %); curves valid up to {table.paper.usable[1]:.2f} g",
+    )
 
 
 def _note(table: Table, has_points: bool) -> str:
-    """Return what the table was made of, and how to read the picture."""
     origin = table.provenance
-    parents, logs = [x.id for x in origin.parents], [x.name for x in origin.logs]
-    sources = ", ".join(parents if table.spread else logs)
-    note = f"Digest {table.digest[:16]}, made of {sources} with {origin.program}. Bands are 95 %. "
+    names = [log.name for log in origin.logs]
+    if table.spread:  # a mean of several cars
+        names = [parent.id for parent in origin.parents]
+    made_of = f"made of {', '.join(names)} with {origin.program}"
+    note = f"Digest {table.digest[:16]}, {made_of}. Bands are 95 %. "
     note += "Dashed: no ramp measured it. Grey: beyond the usable range."
     if has_points:
         note += " Rings and triangles: the ramps without drag, as the table is; means over 0.25 s."
@@ -51,7 +51,10 @@ def _note(table: Table, has_points: bool) -> str:
 def _curve(
     x: Array, y: Array, flag: Array, stroke: Stroke, label: str, band: tuple[Array, Array]
 ) -> list[Line]:
-    """Return a curve of a table (n,) with its band; dashed where its ``flag`` is not `MEASURED`."""
+    """Return a curve of a table (n,) with its band, dashed where no ramp measured it.
+
+    ``flag`` (n,) is `MEASURED` at measured points.
+    """
     thin: Stroke = {**stroke, "linestyle": style.DASHED, "linewidth": 0.9}
     measured = np.where(flag == MEASURED, y, np.nan)
     thick: Stroke = {**stroke, "linestyle": "-", "linewidth": 1.6}
@@ -74,9 +77,9 @@ def _tyre(table: Table) -> Panel:
 
 
 def _curves(table: Table, ramps: _Ramps) -> Panel:
-    """Return the panel of Fig. 6, with the measured points; a line ends the usable range."""
-    p = table.paper
-    x, two_axles = 100.0 * (p.eta - 1.0), [ramp for ramp in ramps if ramp.is_two_axles]
+    """Return the panel of Fig. 6, with the points of ramps on which both axles brake."""
+    p, two_axles = table.paper, [ramp for ramp in ramps if ramp.is_two_axles]
+    x = 100.0 * (p.eta - 1.0)  # [%]
     lines = [
         *_curve(x, p.f1, p.flag, style.FRONT, "f1, front", (p.f1_lower, p.f1_upper)),
         *_curve(x, p.f2, p.flag, style.REAR, "f2, rear", (p.f2_lower, p.f2_upper)),

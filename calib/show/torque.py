@@ -18,12 +18,12 @@ from calib.table.table import Table
 Columns = Mapping[str, Any]
 """Columns of an estimate by their names, (n,) each, as `calib.estimation.estimator` has them."""
 SIDES = (*AXLE_NAMES.values(), "total")
-"""Parts of a car whose torque is told: the axles, and both together."""
-NOT_KNOWN = "not known"
+"""What has a brake torque: front axle, rear axle, and both together."""
+UNKNOWN = "not known"
 UNIT = f"N{NBSP}m"
 HEADS = tuple(f"{side} [{UNIT}]" for side in SIDES)
 _WHEELS = {"fl": 2.0, "rl": 2.0, "sum": 1.0}
-"""Part of the column's name for each of the `SIDES`, and its factor: an axle has two wheels."""
+"""For each of the `SIDES`, part of its column's name and a factor: an axle has two wheels."""
 AGAINST = {TRUTH: "the truth", REFERENCE: "the estimate with v", NONE: "nothing"}
 """What the torques of an ECU are compared with, in words."""
 ENDS = ("", "_lower", "_upper")
@@ -52,27 +52,27 @@ def means(columns: Columns, valid: Mask, prefix: str = "ecu_") -> list[str]:
 
 
 def ecu_means(result: Validation) -> list[str]:
-    """Return `means` of the ECU in a stop."""
+    """Return the `means` of the ECU over the valid samples of a stop."""
     return means(result.estimate.columns(), valid_samples(result.estimate))
 
 
 def _mean(value: Array, lower: Array, upper: Array) -> str:
     if not np.sum(value) > 0.0:
-        return NOT_KNOWN
+        return UNKNOWN
     half_width = 0.5 * float(np.mean(upper - lower))
     return f"{np.mean(value):.0f}{NBSP}±{NBSP}{half_width:.0f}"
 
 
 def in_words(texts: list[str]) -> str:
     """Return the ``texts`` of the `SIDES` in one phrase; "" where a torque is not known."""
-    if NOT_KNOWN in texts:
+    if UNKNOWN in texts:
         return ""
     named = ", ".join(f"{side} {text}" for side, text in zip(SIDES, texts, strict=True))
     return f"brake torque {named} {UNIT} (95{NBSP}%)"
 
 
 def per_bar(table: Table) -> list[str]:
-    """Return the torque of each axle per bar on the ramp [N m], with its 95 % interval."""
+    """Return the brake torque per bar of each axle on the ramp [N m], with its 95 % interval."""
     car, ramp, texts = table.vehicle, table.calibration, []
     for axle, pad in ((car.front, ramp.pad_friction_f), (car.rear, ramp.pad_friction_r)):
         per_friction = 2.0 * BAR * axle.torque_gain  # two wheels, at a pad friction of 1
@@ -92,12 +92,12 @@ class _TorqueErrors(NamedTuple):
 
     @property
     def texts(self) -> list[str]:
-        return [f"{100.0 * x:.1f}{NBSP}%" for x in self.values]
+        return [f"{100.0 * error:.1f}{NBSP}%" for error in self.values]
 
     @property
     def of_axles(self) -> str:
-        """Errors of both axles as one text; a total can be right where its split is wrong."""
-        return " / ".join(self.texts[:2]) or NOT_KNOWN
+        """Errors of both axles as text; the total is left out, as its errors can cancel."""
+        return " / ".join(self.texts[:2]) if self.values else UNKNOWN
 
     @property
     def in_words(self) -> list[str]:
@@ -107,7 +107,7 @@ class _TorqueErrors(NamedTuple):
 
 
 _ERRORS = ("ecu_torque_error_f", "ecu_torque_error_r", "ecu_level_error")
-"""Metrics that are the errors of the `SIDES` against the truth."""
+"""Keys of the metrics that are the errors of the `SIDES` against the truth."""
 
 
 def errors(result: Validation) -> _TorqueErrors:
@@ -120,18 +120,18 @@ def errors(result: Validation) -> _TorqueErrors:
 def errors_in(
     figures: Mapping[str, float | None], columns: Columns, compared: Mask
 ) -> _TorqueErrors:
-    """Return the errors of the ECU's torques, against the truth where the ``figures`` have them.
+    """Return the errors of the ECU's torques: against the truth if the ``figures`` have them.
 
-    Elsewhere they are against the estimate with v, over the ``compared`` samples (n,) in which the
+    Otherwise the reference is the estimate with v, over the ``compared`` samples (n,), in which the
     ECU and that estimate are valid.
     """
-    against_truth = tuple(x for x in map(figures.get, _ERRORS) if x is not None)
+    against_truth = tuple(x for x in (figures.get(key) for key in _ERRORS) if x is not None)
     if len(against_truth) == len(SIDES):
         return _TorqueErrors(TRUTH, against_truth)
     if not compared.any():
         return _TorqueErrors(NONE)
     values = []
-    for ecu, best in zip(torques(columns), torques(columns, ""), strict=True):
+    for ecu, best in zip(torques(columns), torques(columns, prefix=""), strict=True):
         error, reference = (ecu.value - best.value)[compared], best.value[compared]
         values.append(float(np.sqrt(np.sum(error**2) / np.sum(reference**2))))
     return _TorqueErrors(REFERENCE, tuple(values))
@@ -142,5 +142,5 @@ def true_means(result: Validation, samples: Mask) -> list[str]:
     truth = truth_of(result.estimate)
     if truth is None or not samples.any():
         return []
-    axles = 2.0 * truth.torque[:, samples].mean(axis=1)
+    axles = 2.0 * truth.torque[:, samples].mean(axis=1)  # front and rear, two wheels each
     return [f"{value:.0f}" for value in (*axles, axles.sum())]

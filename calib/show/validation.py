@@ -1,4 +1,7 @@
-"""Facts of a validation: the verdict, torques stop by stop, the next step, all metrics."""
+"""Facts of a validation: the verdict, torques stop by stop, the next step, all metrics.
+
+The best estimate uses all channels of a log; an ECU has no speed v.
+"""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -21,8 +24,7 @@ from calib.estimation.validate import (
 )
 from calib.show import torque
 from calib.show.facts import FAILED, PASSED, WARNING, WORDS, Facts, Row, Table
-from calib.show.judged import UNKNOWN, broken, pads, stop_by_stop, valid, word
-from calib.show.origin import origin
+from calib.show.judged import broken, origin, pads, stop_by_stop, valid, word
 from calib.show.stop import stops_on_map, torque_and_pads
 from calib.store.evidence import CONSISTENT
 from calib.store.state import DRAFT
@@ -37,9 +39,9 @@ _PROOFS = {
     "itself would not show",
     NONE: "nothing: the logs hold neither torques nor v",
 }
-"""What the answers of the ECU are checked against, in words."""
+"""What the torques of the ECU are checked against, in words."""
 _V_NOT_USED = "nothing: no torques, and v is late, held or beside no sample that is valid"
-"""The same for logs whose v cannot be used."""
+"""The words for `NONE` if there is a v that cannot be used."""
 _MEANS = "Means over the valid samples with 95 % intervals; an ECU has no speed v."
 
 
@@ -47,8 +49,8 @@ _MEANS = "Means over the valid samples with 95 % intervals; an ECU has no speed 
 class Validated:
     """A stored table, and the ``results`` of judging it on logs.
 
-    ``how`` is the precision of its export; None for the table in full. ``files`` are other inputs
-    by their roles.
+    ``how`` is the precision of the export that was judged; None for the table in full. ``files``
+    are other inputs by their roles.
     """
 
     stored: Stored
@@ -61,11 +63,13 @@ def validation_facts(judged: Validated) -> Facts:
     """Return verdict, torques of each stop, pictures, metrics and warnings, failed stops first."""
     stored, results = judged.stored, judged.results
     in_order = sorted(results, key=lambda result: result.passed)
-    logs, (limits, unknown) = [(r.role, r.log, r.digest) for r in results], stop_by_stop(results)
+    logs = [(result.role, result.log, result.digest) for result in results]
+    limits, unknown = stop_by_stop(results)
     warnings = [*stored.table.warnings, *(w for result in results for w in result.all_warnings)]
     failed, proof = not all(result.passed for result in results), proof_of(list(results))
-    verdict = FAILED if failed else WARNING if warnings else PASSED
-    budgets = [of_axle for result in in_order for of_axle in result.budget or ()]
+    passed = WARNING if warnings else PASSED
+    verdict = FAILED if failed else passed
+    budgets = [axle for result in in_order for axle in result.budget or ()]
     details = Facts(
         "The ECU beside the best estimate",
         tables=[beside_best(stored, in_order)],
@@ -96,7 +100,8 @@ def validation_facts(judged: Validated) -> Facts:
 
 def _rows(judged: Validated, results: Sequence[Validation], proof: str) -> list[Row]:
     """Return the limits that each log breaks, and what the verdict rests on."""
-    rows, budgets = list[Row](), [result.budget for result in results if result.budget]
+    rows = list[Row]()
+    budgets = [result.budget for result in results if result.budget]
     for result in results:
         reasons = [NO_HOLDOUT] if result.role == CALIBRATION else broken(result.judgements)
         rows += [(result.log, reason) for reason in reasons]
@@ -113,7 +118,7 @@ def _rows(judged: Validated, results: Sequence[Validation], proof: str) -> list[
 def _outcome(stored: Stored, results: list[Validation]) -> str:
     """Return on how many stops the table holds, and the largest error of the torques.
 
-    A single stop has its torques, too, and the change of its pads since the ramp.
+    Of a single stop also return the torques, and the change of the pads since the ramp.
     """
     passed, stops = sum(result.passed for result in results), len(results)
     texts = [f"{stored.id} holds on {passed} of {counted(stops, 'stop')}"]
@@ -126,7 +131,8 @@ def _outcome(stored: Stored, results: list[Validation]) -> str:
     change = _change(stored, results[0])
     if stops == passed == 1 and change is not None:
         percent, word = round(100.0 * abs(change)), "weaker" if change < 0.0 else "stronger"
-        texts.append(f"pads {f'{percent} % {word} than' if percent else 'as'} on the ramp")
+        compared_with_ramp = f"{percent} % {word} than" if percent else "as"
+        texts.append(f"pads {compared_with_ramp} on the ramp")
     return "; ".join(filter(None, texts))
 
 
@@ -137,7 +143,7 @@ def _change(stored: Stored, result: Validation) -> float | None:
 
 
 def _next(stored: Stored, results: list[Validation]) -> str:
-    """Return the next step. Stops of one road whose pads differ do not prove a table."""
+    """Return the next step; stops of one road whose pads differ do not prove a table."""
     together = agreement(results)
     if any(result.role == CALIBRATION for result in results):
         return "validate again without the logs of the fit"
@@ -172,26 +178,27 @@ def beside_best(stored: Stored, results: Sequence[Validation]) -> Table:
 
 def _answers(stored: Stored, r: Validation) -> Iterator[Sequence[str]]:
     """Yield the rows of a stop in `beside_best`, without the name of the stop."""
-    figures, columns, used = r.figures, r.estimate.columns(), torque.valid_samples(r.estimate)
+    figures, columns, ecu_valid = r.figures, r.estimate.columns(), torque.valid_samples(r.estimate)
     change = _change(stored, r)
-    since = UNKNOWN if change is None else signed_percent(change)
+    since = torque.UNKNOWN if change is None else signed_percent(change)
     ecu_pads = [pads(figures, axle, "ecu_") for axle in "fr"]
-    yield "ECU", *torque.means(columns, used), *ecu_pads, since, valid(figures)
-    with_v = "best, with v" if r.estimate.blocks.v is not None else "best, without v"
-    share = metric_of("valid_share").with_unit(figures["valid_share"])
+    yield "ECU", *torque.means(columns, ecu_valid), *ecu_pads, since, valid(figures)
+    best = "best, with v" if r.estimate.blocks.v is not None else "best, without v"
+    best_torques = torque.means(columns, ecu_valid & r.estimate.valid, prefix="")
     best_pads = [pads(figures, axle) for axle in "fr"]
-    yield with_v, *torque.means(columns, used & r.estimate.valid, ""), *best_pads, "", share
+    share = metric_of("valid_share").with_unit(figures["valid_share"])
+    yield best, *best_torques, *best_pads, "", share
     error = torque.errors(r)
     if error.values:
         yield f"ECU against {torque.AGAINST[error.against]}", *error.texts, *[""] * 4
-    if true := torque.true_means(r, used):
+    if true := torque.true_means(r, ecu_valid):
         values = [figures[f"true_pad_friction_{axle}"] for axle in "fr"]
         true_pads = ["" if value is None else f"{value:.3f}" for value in values]
         yield "truth", *true, *true_pads, "", ""
 
 
 def _limiting(results: list[Validation]) -> list[Row]:
-    """Return why samples are not valid, and how far the pads differ between stops of one road."""
+    """Return why samples are not valid, and how the pads of stops on one road differ."""
     rows = [
         (result.log, f"{100.0 * share:.0f} % of the braked samples are not valid: {reason}")
         for result in results

@@ -1,8 +1,8 @@
 """A vehicle: its facts, the cards of effects, and Fig. 2, the brake torques of its axles.
 
-T_r |  .-I-.     on the I curve both axles use the same friction;
-    | /  ,-' beta  on the beta line the pads share one pressure;
-    |/,-'          along the thin lines the deceleration is constant.
+T_r |  .-I-.       I curve: both axles use the same friction of the road
+    | /  ,-' beta  beta line: both axles have the same pressure, with the pads of the file
+    |/,-'          thin lines: the deceleration is constant
     +-------- T_f
 """
 
@@ -18,6 +18,7 @@ from calib.car.forces import axle_loads
 from calib.car.plausible import vehicle_warnings
 from calib.car.vehicle import Vehicle
 from calib.show.facts import Facts, Table
+from calib.show.numbers import spaced
 from calib.show.panel import Line, Panel
 from calib.show.sheet import Sheet
 from calib.show.style import BODY, IDENTIFIED, NOMINAL, Array, Stroke, dots
@@ -25,14 +26,16 @@ from calib.show.style import BODY, IDENTIFIED, NOMINAL, Array, Stroke, dots
 _DECELERATIONS = tuple(k / 10.0 for k in range(1, 9))
 """Lines of constant deceleration [g]."""
 _THIN: Stroke = {"color": NOMINAL["color"], "linewidth": 0.5, "alpha": 0.6}
-_KNM = 1e3  # N m
+_KNM = 1e3  # [N m] to the kN m
 
 
 def vehicle_facts(vehicle: Vehicle) -> Facts:
     """Return loads and torques of a vehicle with its nominal pads."""
     values = characteristics(vehicle)
-    biased = values["front_biased_up_to"]
-    always = {None: "front always", 0.0: "rear always"}
+    biased_up_to = values["front_biased_up_to"]
+    locks_first = f"front up to {biased_up_to:.2f} g, rear above" if biased_up_to else "rear always"
+    if biased_up_to is None:
+        locks_first = "front always"
     axles = [
         (name, *(f"{values[side][key]:.{digits}f}" for side in ("front", "rear")))
         for name, key, digits in (
@@ -53,7 +56,7 @@ def vehicle_facts(vehicle: Vehicle) -> Facts:
             ("wheelbase", f"{1e3 * values['wheelbase']:.0f} mm"),
             ("pressure", f"{values['pressure_per_g']:.1f} bar per g"),
             ("brake force", f"{100 * values['front_share']:.1f} % front"),
-            ("locks first", always.get(biased) or f"front up to {biased:.2f} g, rear above"),
+            ("locks first", locks_first),
             ("rear lifts at", f"{values['rear_lifts_at']:.2f} g"),
         ],
         parts=[Facts("Axles", tables=[Table(("axle", "front", "rear"), axles)])],
@@ -69,8 +72,8 @@ def cards(effects: Sequence[Card]) -> Facts:
 
 def card(effect: Card) -> Facts:
     """Return the card of an effect; parameters have expected value, spread and range."""
-    head = ("name", "cause", "equation", "source", "looks_like")
-    rows = [(name.replace("_", " "), str(getattr(effect, name))) for name in head]
+    keys = ("name", "cause", "equation", "source", "looks_like")
+    rows = [(spaced(key), str(getattr(effect, key))) for key in keys]
     for p in effect.parameters:
         unit = unit_suffix(p.unit)
         usual = f"{p.typical:g} +- {p.spread:g}{unit}, from {p.low:g} to {p.high:g}{unit}"
@@ -81,7 +84,7 @@ def card(effect: Card) -> Facts:
 def vehicle_sheet(vehicle: Vehicle) -> Sheet:
     """Return the sheet of Fig. 2: torques of the axles up to 1 g.
 
-    Points mark the decelerations on the beta line. As in (9), the wheels' inertia is neglected.
+    Points on the beta line mark 0.1 g, 0.2 g ...; as in (9), the wheels' inertia is neglected.
     """
     share, per_g = front_share(vehicle, 0.0), pressure_per_g(vehicle) / BAR
     front, rear = vehicle.front, vehicle.rear
@@ -93,11 +96,11 @@ def vehicle_sheet(vehicle: Vehicle) -> Sheet:
         per_front = 1.0 / front.rolling_radius + ratio / rear.rolling_radius
         return np.array([1.0, ratio]) * (np.asarray(z)[:, None] * vehicle.weight / per_front / _KNM)
 
-    z = np.linspace(0.0, min(1.0, vehicle.cg_to_front_axle / vehicle.cg_height), 101)
+    rear_lifts_at = vehicle.cg_to_front_axle / vehicle.cg_height  # z [1] without load at the rear
+    z = np.linspace(0.0, min(1.0, rear_lifts_at), 101)
     load_f, load_r = axle_loads(vehicle, z)
-    ideal_f, ideal_r = (
-        axle.rolling_radius * z * load / _KNM for axle, load in ((front, load_f), (rear, load_r))
-    )
+    ideal_f = front.rolling_radius * z * load_f / _KNM
+    ideal_r = rear.rolling_radius * z * load_r / _KNM
     points, end = beta(np.array(_DECELERATIONS)), 1.08 * beta(np.ones(1))[0, 0]
     lines = [
         Line(ideal_f, ideal_r, BODY, "I curve: equal friction"),
@@ -108,9 +111,10 @@ def vehicle_sheet(vehicle: Vehicle) -> Sheet:
         intercepts = [force * front.rolling_radius, 0.0], [0.0, force * rear.rolling_radius]
         lines.append(Line(*intercepts, _THIN))
     lines.append(Line(points[:, 0], points[:, 1], dots(IDENTIFIED, 3.2)))
-    if 0.0 < (biased := front_biased_up_to(vehicle)) <= 1.0:
-        point = beta(np.array([biased]))
-        label = f"front locks first up to {biased:.2f} g"
+    biased_up_to = front_biased_up_to(vehicle)
+    if 0.0 < biased_up_to <= 1.0:
+        point = beta(np.array([biased_up_to]))
+        label = f"front locks first up to {biased_up_to:.2f} g"
         lines.append(Line(point[:, 0], point[:, 1], dots(BODY, 6.0, "D", mfc="white"), label))
     panel = Panel(
         "torque-distribution",

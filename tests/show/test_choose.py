@@ -29,7 +29,4 @@ def test_another_log_is_a_stop_even_under_the_name_of_a_parent(stored, ramp, tra
     assert kinds(stored, (transition,)) == [("stop", transition.name)]
     other = replace(transition, name=ramp.name)
     assert kinds(stored, (other,)) == [("stop", ramp.name)]
-    assert kinds(stored, (transition, ramp)) == [
-        ("table", stored.id),
-        ("stop", transition.name),
-    ]
+    assert kinds(stored, (transition, ramp)) == [("table", stored.id), ("stop", transition.name)]

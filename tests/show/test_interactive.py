@@ -13,7 +13,7 @@ from selenium.webdriver.support.ui import WebDriverWait
 from calib.line.gauge.study import study
 from calib.show.facts import Facts, Picture, Table
 from calib.show.html import page_of
-from calib.show.interactive import script
+from calib.show.interactive import script_of
 from calib.show.panel import Field, Line, Mark, Panel
 from calib.show.repeatability import gauge_facts
 from calib.show.sheet import Sheet
@@ -63,7 +63,7 @@ def page(sheet, tmp_path_factory):
 
 
 def test_all_samples_of_a_line_are_in_the_page_once(sheet):
-    made = script(sheet, {name: f"place-{name}" for name in sheet.names})
+    made = script_of(sheet, {name: f"place-{name}" for name in sheet.names})
     document, end = json.JSONDecoder().raw_decode(made.removeprefix("live("))
     assert made[end:].count("place-") == 4
     found = [
@@ -76,7 +76,7 @@ def test_all_samples_of_a_line_are_in_the_page_once(sheet):
 
 
 def test_what_is_marked_lies_behind_the_lines(sheet):
-    made, _ = json.JSONDecoder().raw_decode(script(sheet, {"b": "x"}).removeprefix("live("))
+    made, _ = json.JSONDecoder().raw_decode(script_of(sheet, {"b": "x"}).removeprefix("live("))
     level = {one["attributes"]["glyph"]["name"]: one["attributes"].get("level", "glyph")
              for one in every(made["roots"]) if one.get("name") == "GlyphRenderer"}  # fmt: skip
     assert level == {"Line": "glyph", "VSpan": "image", "VStrip": "image"}
