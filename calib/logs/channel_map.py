@@ -109,12 +109,9 @@ def assign(
             assigned.append(assigned_column(name, index, column, Mapping(name), si, where))
     count = Counter(item.channel for item in assigned)
     if twice := next((channel for channel in count if count[channel] > 1), None):
-        raise LogError(
-            "the channel occurs twice",
-            where=f"{where}: {twice}",
-            expected="one column of that name",
-            do=_choose_one([item.index for item in assigned if item.channel == twice], columns),
-        )
+        flaw, expected = "the channel occurs twice", "one column of that name"
+        do = _choose_one([item.index for item in assigned if item.channel == twice], columns)
+        raise LogError(flaw, where=f"{where}: {twice}", expected=expected, do=do)
     indices = {item.index for item in assigned}
     ignored = tuple(c.name for i, c in enumerate(columns) if i not in indices)
     _refuse_missing([name for name in require if name not in count], ignored, where)
@@ -127,19 +124,13 @@ def _mapped(
     indices = indices_of(entry.source.strip(), columns)
     if not indices:
         names = [column.name for column in columns]
-        raise ChannelMapError(
-            f"{where} has no column {entry.source!r} for {name}",
-            where=map_path,
-            expected=f"one of {quoted(names)}",
-            do=_suggestion(entry.source, names),
-        )
+        flaw = f"{where} has no column {entry.source!r} for {name}"
+        do = _suggestion(entry.source, names)
+        raise ChannelMapError(flaw, where=map_path, expected=f"one of {quoted(names)}", do=do)
     if len(indices) > 1:
-        raise LogError(
-            f"{len(indices)} columns are called {entry.source!r}",
-            where=f"{where}: {name}",
-            expected="one",
-            do=_choose_one(indices, columns),
-        )
+        flaw = f"{len(indices)} columns are called {entry.source!r}"
+        do = _choose_one(indices, columns)
+        raise LogError(flaw, where=f"{where}: {name}", expected="one", do=do)
     column = columns[indices[0]]
     return assigned_column(name, indices[0], column, entry, CHANNELS[name].si, where)
 
@@ -150,12 +141,8 @@ def assigned_column(
     """Assign a column to a channel. Raises LogError for a missing or a wrong unit."""
     unit, place = entry.unit or column.unit, f"{where}: {channel}"
     if not unit:
-        raise LogError(
-            "the unit is missing",
-            where=place,
-            expected=f"a unit in the header, such as [{si}]",
-            do="name it in the header or in a channel map",
-        )
+        expected, do = f"a unit in the header, such as [{si}]", "name it there or in a channel map"
+        raise LogError("the unit is missing", where=place, expected=expected, do=do)
     try:
         unit_of(unit, si)
     except UnknownUnit as cause:
@@ -186,14 +173,12 @@ def _choose_one(indices: list[int], columns: tuple[Column, ...]) -> str:
 def _refuse_missing(missing: list[str], ignored: tuple[str, ...], where: str) -> None:
     if not missing:
         return
-    hints = (_suggestion(name, list(ignored), f" to be {name}") for name in missing)
+    flaw = f"no column is named {' or '.join(missing)}"
     others = f"; the log also has {quoted(ignored)}" if ignored else ""
-    raise LogError(
-        f"no column is named {' or '.join(missing)}",
-        where=where,
-        expected=f"a column for each of these channels{others}",
-        do="; ".join([*filter(None, hints), MAP_IT]),
-    )
+    expected = f"a column for each of these channels{others}"
+    hints = [_suggestion(name, list(ignored), f" to be {name}") for name in missing]
+    do = "; ".join([*filter(None, hints), MAP_IT])
+    raise LogError(flaw, where=where, expected=expected, do=do)
 
 
 def _suggestion(word: str, names: list[str], use: str = "") -> str:

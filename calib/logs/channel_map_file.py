@@ -1,18 +1,12 @@
 """A channel map as a TOML file: `brake-cal manual logs` shows each key."""
 
 import codecs
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
-from pydantic import (
-    AfterValidator,
-    Field,
-    ValidationError,
-    ValidatorFunctionWrapHandler,
-    WrapValidator,
-    model_validator,
-)
+from pydantic import AfterValidator, Field, ValidationError, WrapValidator, model_validator
 
 from calib.base.errors import ChannelMapError
 from calib.base.names import CHANNELS, TRUTH
@@ -29,7 +23,7 @@ _Name = Annotated[str, Field(pattern=r"\S")]
 def _expecting(form: str) -> WrapValidator:
     """Return a validator whose error for any wrong value says that ``form`` was expected."""
 
-    def validate(written: object, handler: ValidatorFunctionWrapHandler) -> object:
+    def validate(written: object, handler: Callable[[object], object]) -> object:
         with suppress(ValidationError):
             if not isinstance(written, bool):  # pydantic would take true for 1
                 return handler(written)
@@ -81,10 +75,8 @@ def _refuse_unusable_encoding(name: str) -> str:
     except (LookupError, ValueError, TypeError):
         can_hold_logs = False
     if not can_hold_logs:
-        raise wrong(
-            f"unknown encoding of text {shortened(name)}",
-            'an encoding such as "utf-8" or "latin-1"',
-        )
+        expected = 'an encoding such as "utf-8" or "latin-1"'
+        raise wrong(f"unknown encoding of text {shortened(name)}", expected)
     return name
 
 

@@ -95,21 +95,16 @@ def check_running(time: Array, where: str) -> None:
         raise LogError("a timestamp is no time", where=where, do="export the log again")
     steps_back = int(np.count_nonzero(time[1:] < time[:-1]))
     if steps_back > max(_STEPS_BACK * time.size, 1):
-        raise LogError(
-            f"{steps_back} of {time.size} timestamps are not increasing",
-            where=where,
-            expected="times since the start, not since the frame before",
-            do="export with absolute timestamps",
-        )
+        flaw = f"{steps_back} of {time.size} timestamps are not increasing"
+        expected = "times since the start, not since the frame before"
+        do = "export with absolute timestamps"
+        raise LogError(flaw, where=where, expected=expected, do=do)
     long_steps_back = np.flatnonzero(time[1:] < time[:-1] - _STEP_BACK)
     if long_steps_back.size:
         row = int(long_steps_back[0])
-        raise LogError(
-            f"time goes back by {time[row] - time[row + 1]:.6g} s, from {time[row]:.6g} s",
-            where=f"{where}: sample {row + 2}",
-            expected="increasing times",
-            do="two recordings in one file? split them",
-        )
+        flaw = f"time goes back by {time[row] - time[row + 1]:.6g} s, from {time[row]:.6g} s"
+        place, do = f"{where}: sample {row + 2}", "two recordings in one file? split them"
+        raise LogError(flaw, where=place, expected="increasing times", do=do)
 
 
 _RATES = 40.0, 1000.0  # lowest and highest sample rate of a log [Hz]
@@ -121,16 +116,52 @@ _FEWEST_BURSTS = 5  # fewest long steps between bursts; fewer are jumps of the c
 
 
 def check_clock(time: Array, where: str, unit: str) -> None:
-    """Check that ``time`` [s] (n,) has enough samples, increases, and passes `check_steps`."""
+    """Check that ``time`` [s] (n,) has enough samples, increases, and passes `_check_steps`."""
     if time.size < _MIN_SAMPLES:
-        raise LogError(
-            f"only {time.size} samples", where=where, expected=f"at least {_MIN_SAMPLES}"
-        )
+        expected = f"at least {_MIN_SAMPLES}"
+        raise LogError(f"only {time.size} samples", where=where, expected=expected)
     check_increasing(time, where)
-    check_steps(time, where, unit)
+    _check_steps(time, where, unit)
 
 
-def check_steps(time: Array, where: str, unit: str = "s") -> None:
+def check_increasing(time: Array, where: str) -> None:
+    """Raise LogError unless ``time`` [s] (n,) is strictly increasing."""
+    lost = np.flatnonzero(~np.isfinite(time))
+    if lost.size:
+        flaw = f"no time in row {lost[0] + 1} ({counted(lost.size, 'such row')})"
+        expected, do = "a number in every row", "export again"
+        raise LogError(flaw, where=f"{where}: time", expected=expected, do=do)
+    wrong = np.flatnonzero(~(np.diff(time) > 0))
+    if wrong.size == 0:
+        return
+    row = int(wrong[0]) + 1
+    kind, do = _disorder(time, row)
+    flaw = (
+        f"time {kind} in row {row + 1}, to {time[row] - time[0]:.6f} s after "
+        f"{time[row - 1] - time[0]:.6f} s since the start ({counted(wrong.size, 'such row')})"
+    )
+    raise LogError(flaw, where=f"{where}: time", expected="strictly increasing time", do=do)
+
+
+def _disorder(time: Array, row: int) -> tuple[str, str]:
+    """Name the flaw of a ``time`` [s] (n,) that does not increase to ``row``, and what to do."""
+    steps, sorted_steps = np.diff(time), np.diff(np.sort(time))
+    usual = float(np.median(sorted_steps))
+    if np.all(steps < 0.0):
+        return "goes back", "give the time its sign again, or export it as time since the start"
+    if steps[row - 1] == 0.0:
+        if np.mean(steps == 0.0) > REPEATED:
+            return "does not increase", "export it with more digits, or with a clock that runs"
+        return "does not increase", "export again, or delete the repeated rows"
+    if np.all((sorted_steps > _BURST * usual) & (sorted_steps < GAP * usual)):
+        return "goes back", "sort the rows by time"
+    return "goes back", (
+        f"if its counter overflowed or its clock was set, add {usual - steps[row - 1]:.6f} s from "
+        "this row on; split runs whose time begins again"
+    )
+
+
+def _check_steps(time: Array, where: str, unit: str) -> None:
     """Check that a recorder can have made the steps of an increasing ``time`` [s] (n,).
 
     ``unit`` is the unit in the file. Raises LogError if another unit gives a likely sample rate and
@@ -142,12 +173,10 @@ def check_steps(time: Array, where: str, unit: str = "s") -> None:
     written_step = median / to_si(1.0, unit, "s")
     likely = [u for u, size in TIME_UNITS.items() if shortest <= written_step * size <= longest]
     if likely and not 0.2 * shortest <= median <= 5.0 * longest:
-        raise LogError(
-            f"is the time in {likely[0]}, not {unit}? the step would be {_duration(median)}",
-            where=f"{where}: time",
-            expected=f"a rate of {_RATES[0]:.0f} Hz to {_RATES[1] / 1e3:.0f} kHz",
-            do="correct the header, or give the unit in a channel map",
-        )
+        flaw = f"is the time in {likely[0]}, not {unit}? the step would be {_duration(median)}"
+        expected = f"a rate of {_RATES[0]:.0f} Hz to {_RATES[1] / 1e3:.0f} kHz"
+        do = "correct the header, or give the unit in a channel map"
+        raise LogError(flaw, where=f"{where}: time", expected=expected, do=do)
     _check_bursts(time, where)
 
 
@@ -165,7 +194,7 @@ def _check_bursts(time: Array, where: str) -> None:
     )
     expected = "the time at which each was sent or measured"
     do = "record with time stamps of the hardware, or lower the latency of the adapter"
-    # if milliseconds have four digits, .0999 is the last time of a second and the next is a whole
+    # a program that writes milliseconds with four digits writes 999 ms as .0999
     if pauses.size > 1 and np.allclose(np.diff(time[pauses]), 1.0, atol=0.05):
         flaw = f"the clock jumps by {pause:.2g} s in every second, and counts only the rest"
         expected = "parts of a second that go up to the next one"
@@ -188,30 +217,8 @@ def _jump(time: Array, where: str) -> LogError:
     two_steps = 2.0 * np.median(steps)
     if second < 60.0 <= second + two_steps and next_second < two_steps:
         do = f"if this is the time of day as hhmmss, convert it to seconds; {do}"
-    return LogError(
-        f"the clock jumps by {steps[row - 1]:.6g} s in row {row + 1}",
-        where=f"{where}: time",
-        expected="times of one recording",
-        do=do,
-    )
-
-
-def _disorder(time: Array, row: int) -> tuple[str, str]:
-    """Name the flaw of a ``time`` [s] (n,) that does not increase to ``row``, and what to do."""
-    steps, sorted_steps = np.diff(time), np.diff(np.sort(time))
-    usual = float(np.median(sorted_steps))
-    if np.all(steps < 0.0):
-        return "goes back", "give the time its sign again, or export it as time since the start"
-    if steps[row - 1] == 0.0:
-        if np.mean(steps == 0.0) > REPEATED:
-            return "does not increase", "export it with more digits, or with a clock that runs"
-        return "does not increase", "export again, or delete the repeated rows"
-    if np.all((sorted_steps > _BURST * usual) & (sorted_steps < GAP * usual)):
-        return "goes back", "sort the rows by time"
-    return "goes back", (
-        f"if its counter overflowed or its clock was set, add {usual - steps[row - 1]:.6f} s from "
-        "this row on; split runs whose time begins again"
-    )
+    flaw = f"the clock jumps by {steps[row - 1]:.6g} s in row {row + 1}"
+    return LogError(flaw, where=f"{where}: time", expected="times of one recording", do=do)
 
 
 def _duration(seconds: float) -> str:
@@ -222,27 +229,3 @@ def _duration(seconds: float) -> str:
     """
     size, unit = max((s, u) for u, s in TIME_UNITS.items() if s <= max(seconds, 1e-6))
     return f"{seconds / size:.3g} {unit}"
-
-
-def check_increasing(time: Array, where: str) -> None:
-    """Check that ``time`` [s], shape (n,), is strictly increasing. Raises LogError."""
-    lost = np.flatnonzero(~np.isfinite(time))
-    if lost.size:
-        raise LogError(
-            f"no time in row {lost[0] + 1} ({counted(lost.size, 'such row')})",
-            where=f"{where}: time",
-            expected="a number in every row",
-            do="export again",
-        )
-    wrong = np.flatnonzero(~(np.diff(time) > 0))
-    if wrong.size == 0:
-        return
-    row = int(wrong[0]) + 1
-    flaw, do = _disorder(time, row)
-    raise LogError(
-        f"time {flaw} in row {row + 1}, to {time[row] - time[0]:.6f} s after "
-        f"{time[row - 1] - time[0]:.6f} s since the start ({counted(wrong.size, 'such row')})",
-        where=f"{where}: time",
-        expected="strictly increasing time",
-        do=do,
-    )

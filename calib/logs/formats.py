@@ -46,21 +46,14 @@ _KINDS: tuple[tuple[bytes, str, tuple[str, ...]], ...] = (
 def refuse_other_kind(head: bytes, ending: str, where: object) -> None:
     """Raise LogError if ``head``, the first 64 bytes, is that of another kind than ``ending``."""
     if head.startswith(POINTER):
-        raise LogError(
-            "a pointer of git LFS, not the log itself",
-            where=where,
-            expected=f"the bytes of a {ending} file",
-            do="get the file: git lfs pull",
-        )
+        flaw, do = "a pointer of git LFS, not the log itself", "get the file: git lfs pull"
+        raise LogError(flaw, where=where, expected=f"the bytes of a {ending} file", do=do)
     text = head.lstrip(b"\xef\xbb\xbf \t\r\n")
     for pattern, name, endings in _KINDS:
         if re.match(pattern, text) and ending not in endings:
-            raise LogError(
-                f"{name}, not a {ending} file",
-                where=where,
-                expected=f"a log that is what its ending {ending} says",
-                do=f"rename it to {endings[0]}" if endings else "export or copy the log again",
-            )
+            expected = f"a log that is what its ending {ending} says"
+            do = f"rename it to {endings[0]}" if endings else "export or copy the log again"
+            raise LogError(f"{name}, not a {ending} file", where=where, expected=expected, do=do)
 
 
 TABLES: dict[str, Callable[[bytes, str, TextFormat], ColumnSource]] = {

@@ -173,7 +173,7 @@ def without_open_ends(channels: dict[str, Array]) -> tuple[dict[str, Array], tup
         empty = np.isnan(values)
         if name not in CHANNELS or not empty.any() or empty.all():
             continue
-        first, last = np.flatnonzero(~empty)[[0, -1]]  # rows with a value
+        first, last = np.flatnonzero(~empty)[[0, -1]]  # first and last row with a value
         are_short = time[first] - time[0] <= ENDS and time[-1] - time[last] <= ENDS
         if are_short and (first > 0 or last + 1 < time.size):
             trimmed.append(name)
@@ -196,7 +196,7 @@ def complete_channels(
     every log must have.
     """
     complete, notes = {}, []
-    if np.isinf(channels["time"]).any():
+    if np.isinf(channels["time"]).any():  # a flaw of the clock, not a gap
         check_increasing(channels["time"], where)
     for name, values in channels.items():
         bad = np.flatnonzero(~np.isfinite(values))
@@ -204,12 +204,10 @@ def complete_channels(
             complete[name] = values
         elif np.isnan(values).all():
             if name in require:
-                raise LogError(
-                    f"the channel is empty: no value in {values.size} rows",
-                    where=f"{where}: {name}",
-                    expected="a value in every row",
-                    do="run `brake-cal check`: it lists the remaining uses of the log",
-                )
+                flaw = f"the channel is empty: no value in {values.size} rows"
+                expected = "a value in every row"
+                do = "run `brake-cal check`: it lists the remaining uses of the log"
+                raise LogError(flaw, where=f"{where}: {name}", expected=expected, do=do)
             notes.append(f"{name} is empty and was left out")
         else:
             kind = "no" if np.isnan(values[bad[0]]) else "an infinite"
@@ -217,12 +215,8 @@ def complete_channels(
             if name in CHANNELS and CHANNELS[name].required:
                 start = channels["time"][bad[0]] - channels["time"][0]
                 after = f", {start:.3f} s after the start" if np.isfinite(start) else ""
-                raise LogError(
-                    f"{flaw}{after}",
-                    where=f"{where}: {name}",
-                    expected="a finite value in every row",
-                    do="export all channels on one clock, or cut the log before the gap: a gap is "
-                    f"bridged {ONLY}",
-                )
+                expected = "a finite value in every row"
+                do = f"export all channels on one clock, or cut the log: a gap is bridged {ONLY}"
+                raise LogError(f"{flaw}{after}", where=f"{where}: {name}", expected=expected, do=do)
             notes.append(f"{name} has {flaw}, and was left out")
     return complete, tuple(notes)

@@ -63,8 +63,8 @@ class Marked:
 
     channel: str
     count: int
-    start: float  # time of the first one [s]
-    value: float  # of the first one [SI]
+    start: float  # time of the first sample [s]
+    value: float  # value of the first sample [SI]
 
     def __str__(self) -> str:
         quantity = CHANNELS[self.channel]
@@ -104,13 +104,11 @@ def without_impossible(
     for m in marked:
         are_many = np.count_nonzero(masks[m.channel] & inner) > max(FEW * time.size, 1.0)
         if are_many and CHANNELS[m.channel].required:
-            raise LogError(
-                f"{m}, beside values that are far away: no car drives {m.count} of the "
-                f"{time.size} samples",
-                where=f"{where}: {m.channel}",
-                expected="values that a car can have one after the other",
-                do="decode the error value of the signal as no value, or cut the log there",
-            )
+            samples = f"{m.count} of the {time.size} samples"
+            flaw = f"{m}, beside values that are far away: no car drives {samples}"
+            expected = "values that a car can have one after the other"
+            do = "decode the error value of the signal as no value, or cut the log there"
+            raise LogError(flaw, where=f"{where}: {m.channel}", expected=expected, do=do)
     return values | filled, tuple(marked), tuple(bridged)
 
 
@@ -194,9 +192,7 @@ def refuse_absurd(channels: Mapping[str, Array], where: str) -> None:
         absurd = np.flatnonzero(np.isfinite(values) & (np.abs(values) > largest))
         if absurd.size:
             row = int(absurd[0])
-            raise LogError(
-                f"row {row + 1} holds {values[row]:.3g} {si or 'in SI'}",
-                where=f"{where}: {name}",
-                expected="a value that can be measured",
-                do="the file is damaged or the unit is wrong: export it again",
-            )
+            flaw = f"row {row + 1} holds {values[row]:.3g} {si or 'in SI'}"
+            expected = "a value that can be measured"
+            do = "the file is damaged or the unit is wrong: export it again"
+            raise LogError(flaw, where=f"{where}: {name}", expected=expected, do=do)

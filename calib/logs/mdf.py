@@ -13,13 +13,7 @@ from calib.base.bounded import RECORDING
 from calib.base.errors import LogError
 from calib.base.extras import need
 from calib.logs.bus.dbc import Dbc
-from calib.logs.bus.recording import (
-    Frames,
-    decode,
-    described_signals,
-    require_dbc,
-    require_described,
-)
+from calib.logs.bus.recording import Frames, check_described, decode, described_signals, require_dbc
 from calib.logs.channel_map import Databases
 from calib.logs.mdf_check import check_mdf
 from calib.logs.source import CLOCK, ChannelTrace, Column, Recording, damaged
@@ -61,18 +55,18 @@ def _recording(mdf: Any, dbc: Databases, notes: list[str], where: str) -> Record
     titles = _titles(mdf)
     columns, places, left_out = _channels(mdf, bus_groups, titles)
     notes += left_out
-    needs_dbc = bus_groups and (any(dbc.values()) or not columns)
-    database = require_dbc(dbc, "mdf", where) if needs_dbc else Dbc({})
-    frames = _frames(mdf, bus_groups, database, where) if needs_dbc else []
-    if needs_dbc and not columns:
-        require_described(frames, (), database, where)
-    if bus_groups and not needs_dbc:
+    database, frames = Dbc({}), list[Frames]()
+    if bus_groups and (any(dbc.values()) or not columns):
+        database = require_dbc(dbc, "mdf", where)
+        frames = _frames(mdf, bus_groups, database, where)
+        if not columns:
+            check_described(frames, (), database, where)
+    elif bus_groups:
         notes.append("the log has bus frames, which need a DBC: name it in a channel map")
     signal_columns, signals = described_signals(frames, database)
 
     def read(indices: Sequence[int]) -> list[ChannelTrace]:
-        # column 0 is the clock; the measured channels follow, then the signals
-        first_signal = 1 + len(places)
+        first_signal = 1 + len(places)  # after the clock and the measured channels
         chosen = [places[i - 1] for i in indices if i < first_signal]
         measured = dict(zip(chosen, _traces(mdf, chosen, titles, where), strict=True))
         return [

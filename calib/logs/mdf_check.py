@@ -173,11 +173,10 @@ def _counted(
     for _, data_group in _chain(data, _block_at(data, _HEAD).links[0], b"##DG"):
         groups: dict[int, _Group] = {}
         for place, block in _chain(data, data_group.links[1], b"##CG"):
-            number, stated, group_flags, _, _, size, invalid = _GROUP.unpack_from(
-                data, block.content
-            )  # sizes [bytes]: of the values of a record, and of its bits for invalid values
+            # a record has ``size`` bytes of values, then ``invalid`` bytes that mark invalid values
+            number, stated, kind, _, _, size, invalid = _GROUP.unpack_from(data, block.content)
             _require(number not in groups, path, f"two groups with the identifier {number}")
-            groups[number] = _Group(place, stated, size + invalid, bool(group_flags & _VARIABLE))
+            groups[number] = _Group(place, stated, size + invalid, bool(kind & _VARIABLE))
         begin, id_size = data_group.links[2], data[data_group.content]
         if not begin:
             continue
@@ -198,13 +197,10 @@ def _counted(
             if not group.is_variable:
                 counts[group.place] = group.count if flags & _COUNTS else group.stated
                 records += group.count
-    torn = f"; {leftover} bytes of a last record that is not whole were left out"
-    note = (
-        f"the recorder did not finish the file: its {records} records were counted here"
-        f"{torn if leftover else ''}; "
-        "nothing in the file shows whether more are missing at its end"
-    )
-    return note, counts
+    note = f"the recorder did not finish the file: its {records} records were counted here"
+    if leftover:
+        note += f"; {leftover} bytes of a last record that is not whole were left out"
+    return f"{note}; nothing in the file shows whether more are missing at its end", counts
 
 
 def _count(
@@ -246,9 +242,7 @@ def _short(path: Path, size: int, end: int) -> LogError:
 
 def _require(can_be_finished: bool, path: Path, why: str) -> None:
     if not can_be_finished:
-        raise LogError(
-            f"the recorder did not finish the file, and it cannot be finished here: {why}",
-            where=path,
-            expected="MDF 4.1 that lacks only counts and the length of its data",
-            do="finish it with the recorder's own tool, or open and save it with an MDF editor",
-        )
+        flaw = f"the recorder did not finish the file, and it cannot be finished here: {why}"
+        expected = "MDF 4.1 that lacks only counts and the length of its data"
+        do = "finish it with the recorder's own tool, or open and save it with an MDF editor"
+        raise LogError(flaw, where=path, expected=expected, do=do)

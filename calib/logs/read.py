@@ -108,12 +108,10 @@ def read_log(
         if isinstance(source, Recording):
             refuse_mapped_time(assigned, channel_map)
             if len(assigned) == 1:
-                raise LogError(
-                    f"no channel of the log is known; it has {quoted(ignored) or 'no channels'}",
-                    where=where,
-                    expected=f"channels named {', '.join(REQUIRED[1:])}",
-                    do="; ".join([*source.notes, MAP_IT]),
-                )
+                flaw = f"no channel of the log is known; it has {quoted(ignored) or 'no channels'}"
+                expected = f"channels named {', '.join(REQUIRED[1:])}"
+                do = "; ".join([*source.notes, MAP_IT])
+                raise LogError(flaw, where=where, expected=expected, do=do)
         sampled, resampled = _sampled(source, assigned, where)
         refuse_absurd(sampled, where)
         plausible, marked, bridged = without_impossible(sampled, where)
@@ -183,11 +181,11 @@ def refuse_mapped_time(assigned: list[Assigned], channel_map: ChannelMap | None)
     """Raise ChannelMapError if the map of a recording names a column for the time."""
     clock = next(item for item in assigned if item.channel == "time")
     if clock.index != 0:
-        raise ChannelMapError(
-            f"time is mapped to {clock.mapping.source!r}, but each channel of this log has its own",
-            where=channel_map.where if channel_map else None,
-            expected="no entry for time",
+        map_path = channel_map.where if channel_map else None
+        flaw = (
+            f"time is mapped to {clock.mapping.source!r}, but each channel of this log has its own"
         )
+        raise ChannelMapError(flaw, where=map_path, expected="no entry for time")
 
 
 def log_bytes(path: Path, where: object) -> bytes:
@@ -200,10 +198,7 @@ def _kind_of(path: Path, where: object) -> FileKind:
     """Return the kind of file, which bounds its size. Raises LogError for an unknown ending."""
     ending = ending_of(path)
     if ending not in FORMATS and path.is_file():
-        raise LogError(
-            f"unknown format {ending!r}",
-            where=where,
-            expected=f"one of {', '.join(FORMATS)}",
-            do="a workbook: save its sheet as CSV" if ending in _WORKBOOKS else "",
-        )
+        expected = f"one of {', '.join(FORMATS)}"
+        do = "a workbook: save its sheet as CSV" if ending in _WORKBOOKS else ""
+        raise LogError(f"unknown format {ending!r}", where=where, expected=expected, do=do)
     return LOG if ending in TABLES else RECORDING

@@ -165,11 +165,8 @@ def _span(
     high = min(float(x.time[-1]) for x in required)
     if high <= low:
         spans = (f"{x.name} {x.time[0]:.3f} to {x.time[-1]:.3f} s" for x in required)
-        raise LogError(
-            "the channels have no time in common: " + ", ".join(spans),
-            where=where,
-            expected="one run in which all are recorded",
-        )
+        flaw = f"the channels have no time in common: {', '.join(spans)}"
+        raise LogError(flaw, where=where, expected="one run in which all are recorded")
     first, last = min(x.time[0] for x in channels), max(x.time[-1] for x in channels)
     near = [x for x in channels if x.time[0] <= low + _CUT and x.time[-1] >= high - _CUT]
     low = max([low, *(float(x.time[0]) for x in near)])

@@ -119,11 +119,8 @@ def cut(log: WholeLog, start: float | None = None, end: float | None = None) -> 
     if stop <= first:
         low = "the start" if start is None else f"{start:g} s"
         high = "the end" if end is None else f"{end:g} s"
-        raise LogError(
-            f"no sample from {low} to {high}",
-            where=log.source,
-            expected=f"times from {time[0]:g} to {time[-1]:g} s",
-        )
+        expected = f"times from {time[0]:g} to {time[-1]:g} s"
+        raise LogError(f"no sample from {low} to {high}", where=log.source, expected=expected)
     columns = (replace(c, values=c.values[first:stop]) for c in log.columns)
     return replace(log, columns=tuple(columns))
 

@@ -1,7 +1,4 @@
-"""Find the time, and the four columns of the wheel speeds and of the wheel pressures.
-
-The four wheel speeds of a car agree with each other.
-"""
+"""Find the time, and the four columns of the wheel speeds and of the wheel pressures."""
 
 from collections import defaultdict
 from dataclasses import replace
@@ -11,10 +8,11 @@ import numpy as np
 from calib.base.arrays import Array, Mask
 from calib.base.errors import LogError
 from calib.base.names import WHEEL_SPEEDS, WHEELS
+from calib.base.plain import counted
 from calib.base.units import BAR, from_si, to_si
 from calib.base.warning import bounds_of
 from calib.logs.channel_map import Mapping
-from calib.logs.clock import REPEATED, TIME_UNITS, check_steps, step_of
+from calib.logs.clock import REPEATED, TIME_UNITS, check_clock, step_of
 from calib.logs.gaps import ONLY
 from calib.logs.resample import rows_on_one_clock
 from calib.run.filters import true_intervals
@@ -26,13 +24,14 @@ _ACCELERATED = 0.5  # smallest range of the acceleration [m/s^2] to test other c
 _ALIKE = 0.99  # lowest correlation of two wheel speeds [1]
 _APART = 0.1  # largest difference of the mean speeds of four wheels, over the lowest [1]
 _STEADY = 0.02  # standard deviation over mean [1] below which noise hides the correlation
-
-
 ALL_WHEEL_SPEEDS = f"{WHEEL_SPEEDS[0]} ... {WHEEL_SPEEDS[-1]}"  # channel of a doubt on all four
 
 
 def find_clock(search: Search) -> None:
-    """Find the time: its name says so, it does not decrease, and its rate is possible."""
+    """Find the time: its name says so, it does not decrease, and its rate is possible.
+
+    Rows that repeat a time are left out.
+    """
     if "time" not in search.user_specified:
         _propose_clock(search)
     elif (time := search.values_of_user("time")) is not None:
@@ -40,10 +39,7 @@ def find_clock(search: Search) -> None:
         search.clock = ColumnClock(time, step_of(time))
     if search.clock is None:
         return
-    try:
-        check_steps(search.clock.time, "time")
-    except LogError as error:
-        search.doubt("time", [], error.problem, error.do or "record the log again")
+    if _doubt_clock(search, search.clock.time, []):
         search.proposals.pop("time", None)
         search.clock = None
         return
@@ -66,8 +62,7 @@ def _propose_clock(search: Search) -> None:
     elif fitting:
         _take_clock(search, fitting[0])
     elif named:
-        why = f"{named[0].name} is named a time, but {_disorder(named[0].values)}"
-        search.doubt("time", [named[0].name], why, "correct the log, or export it again")
+        _doubt_clock(search, named[0].values, [named[0].name])
     elif unread:
         name, why = unread[0]
         search.doubt("time", [name], why, "export the log again, with a time for each row")
@@ -75,6 +70,16 @@ def _propose_clock(search: Search) -> None:
         names = [s.name for s in running if s.si == "s"] or [s.name for s in running]
         do = "choose one and give its unit: --take 'time=NAME [s]'"
         search.doubt("time", names, "no column is named a time", do)
+
+
+def _doubt_clock(search: Search, time: Array, names: list[str]) -> bool:
+    """Ask about a ``time`` [s] (n,) that is no clock of a log; return whether that is so."""
+    try:
+        check_clock(time, "time", "s")
+    except LogError as error:
+        search.doubt("time", names, error.problem, error.do or "record the log again")
+        return True
+    return False
 
 
 def _is_later(time: Array) -> Mask:
@@ -92,8 +97,9 @@ def _runs(values: Array) -> bool:
 def _take_clock(search: Search, item: Series) -> None:
     """Take a column as the time in its own unit, or else in the first with a possible rate."""
     time, unit, order = item.values[_is_later(item.values)], item.column.unit, "increasing"
-    if time.size < item.values.size:
-        order += f", but {_disorder(item.values)}: the log is refused until they are deleted"
+    if repeated := item.values.size - time.size:
+        rows = counted(repeated, "repeated time")
+        order += f", but with {rows}: the log is refused until these rows are deleted"
     low, high = bounds_of("clock_rate")
     has_unit = item.si == "s"
     written = from_si(time, str(unit), "s") if has_unit else time
@@ -113,20 +119,8 @@ def _take_clock(search: Search, item: Series) -> None:
     search.doubt("time", [item.name], why, "give the unit: --take 'time=NAME [s]'")
 
 
-def _disorder(time: Array) -> str:
-    steps = np.diff(time)
-    for flaw, rows in (
-        ("has no value", np.flatnonzero(np.isnan(time))),
-        ("goes back", np.flatnonzero(steps < 0.0) + 1),
-        ("repeats a time", np.flatnonzero(steps == 0.0) + 1),
-    ):
-        if rows.size:
-            return f"{flaw} in {rows.size} rows, first in row {rows[0] + 1}"
-    return "has one row"
-
-
 def resample(search: Search, clock: ColumnClock) -> ColumnClock:
-    """Put all columns on one clock, which is returned, and leave out those with long gaps."""
+    """Put all columns on one clock and return it; leave out columns with long gaps."""
     columns = (*search.series, *search.gapped)
     resampled = rows_on_one_clock(clock.time, {s.name: s.values for s in columns}, "the log")
     time, search.series = resampled.time, []
@@ -138,20 +132,19 @@ def resample(search: Search, clock: ColumnClock) -> ColumnClock:
         else:
             rate = item.rate or 1.0 / step_of(clock.time[~np.isnan(item.values)])
             search.series.append(replace(item, values=values, rate=rate))
-    search.clock = ColumnClock(time, step_of(time))
-    return search.clock
+    return ColumnClock(time, step_of(time))
 
 
 def keep_moving_rows(
     search: Search, speed: Array | None, factor: float, clock: ColumnClock
-) -> Array | None:
-    """Keep the rows of the longest time in which the car moves; return its acceleration [m/s^2].
+) -> tuple[Array | None, ColumnClock]:
+    """Keep the rows of the longest time in which the car moves.
 
-    ``speed`` (n,) times ``factor`` is in m/s. Return None without a speed, or if it varies too
-    little.
+    ``speed`` (n,) times ``factor`` is in m/s. Return the derivative of the speed [m/s^2], or None
+    if there is no speed or it varies too little; and the clock of the rows.
     """
     if speed is None:
-        return None
+        return None, clock
     moves = speed > _SLOW * float(speed.max())
     intervals = true_intervals(moves) or [(0, speed.size)]
     start, end = max(intervals, key=lambda interval: interval[1] - interval[0])
@@ -159,16 +152,15 @@ def keep_moving_rows(
     if end - start > 6 * margin:
         start, end = start + margin, end - margin
     search.series = [replace(s, values=s.values[start:end]) for s in search.series]
-    search.clock = ColumnClock(clock.time[start:end], clock.step)
     rate = factor * clock.rate_of(speed)[start:end]
-    return rate if np.ptp(rate) > _ACCELERATED else None
+    is_varied = bool(np.ptp(rate) > _ACCELERATED)
+    return rate if is_varied else None, ColumnClock(clock.time[start:end], clock.step)
 
 
 def find_wheels(search: Search) -> tuple[Array | None, bool]:
     """Find four speeds that are named for the wheels and agree.
 
-    Return their mean (n,), or else that of the user's wheel speeds, and whether the mean is in
-    rad/s.
+    Return their mean (n,), or else that of the user's wheel speeds; and whether it is in rad/s.
     """
     fours = _agreeing_fours(search)
     angular = [four for four in fours if four["fl"].si == "rad/s"]

@@ -79,12 +79,16 @@ def suggest(
     doubtful = {doubt.channel for doubt in search.doubts}
     if clock_and_wheels.ALL_WHEEL_SPEEDS in doubtful:
         doubtful.update(WHEEL_SPEEDS)
-    absent = "no column fits by name, unit and values" if search.clock else _NO_CLOCK
-    missing = {
-        name: f"its column: {unused[name]}" if name in unused and search.clock else absent
-        for name in REQUIRED
-        if name not in search.proposals and name not in doubtful
-    }
+    missing = {}
+    for name in REQUIRED:
+        if search.clock is None:
+            why = _NO_CLOCK
+        elif name in unused:
+            why = f"its column: {unused[name]}"
+        else:
+            why = "no column fits by name, unit and values"
+        if name not in search.proposals and name not in doubtful:
+            missing[name] = why
     return Suggestion(where, proposals, tuple(search.doubts), missing, unused, ignore)
 
 
@@ -93,10 +97,9 @@ def _find_others(search: Search, clock: ColumnClock) -> None:
     clock = clock_and_wheels.resample(search, clock)
     wheels, is_angular = clock_and_wheels.find_wheels(search)
     speed = body.find_speed(search, wheels)
-    factor = NOMINAL_RADIUS if speed is None and is_angular else 1.0
     motion = wheels if speed is None else speed
-    rate = clock_and_wheels.keep_moving_rows(search, motion, factor, clock)
-    clock = search.clock or clock
+    factor = NOMINAL_RADIUS if speed is None and is_angular else 1.0  # from ``motion`` to m/s
+    rate, clock = clock_and_wheels.keep_moving_rows(search, motion, factor, clock)
     body.find_acceleration(search, rate, clock)
     body.refuse_computed(search)
     body.find_pressure(search, None if rate is None else -rate, clock)

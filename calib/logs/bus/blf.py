@@ -49,12 +49,10 @@ def _check_sizes(path: Path) -> int:
             raise LogError("not a BLF file", where=path, expected="a file that begins with LOGG")
         _, first, stated, unpacked = _HEADER.unpack(head)
         if not (stated and unpacked):
-            raise LogError(
-                "the recorder did not finish the file: its header has no sizes",
-                where=path,
-                expected="sizes to compare with the content",
-                do="open it with the tool that wrote it and save it again",
-            )
+            flaw = "the recorder did not finish the file: its header has no sizes"
+            expected = "sizes to compare with the content"
+            do = "open it with the tool that wrote it and save it again"
+            raise LogError(flaw, where=path, expected=expected, do=do)
         size = file.seek(0, 2)
         if size < stated:
             share = f"{100 * (1 - size / stated):.0f} % of the file"

@@ -72,13 +72,10 @@ class Flawed(NamedTuple):
 
     def error(self, signal: str) -> LogError:
         """Return the error for a channel whose source is this signal of the message."""
-        return LogError(
-            f"{signal} is a signal of message {self.name}, which cannot be read: {self.why}",
-            where=self.where,
-            expected="a message without a flaw for each channel",
-            do=f"correct message {self.name} in the DBC; or, where the channel is not needed, name "
-            "its column under `ignore` in the channel map",
-        )
+        flaw = f"{signal} is a signal of message {self.name}, which cannot be read: {self.why}"
+        expected = "a message without a flaw for each channel"
+        do = f"correct {self.name} in the DBC, or name the column under `ignore` in the channel map"
+        return LogError(flaw, where=self.where, expected=expected, do=do)
 
 
 class Dbc(NamedTuple):
@@ -109,12 +106,10 @@ def read_databases(databases: Databases, extra: str, where: str) -> Dbc:
             for message in messages:
                 key = (message.frame_id, message.is_extended_frame)
                 if key in by_key:
-                    raise ChannelMapError(
-                        f"{message.name} has the identifier {key[0]:#x} of {by_key[key].name}",
-                        where=path,
-                        expected="one description of each frame",
-                        do=f'name the DBC of each bus, as in dbc = {{1 = "{path.name}"}}',
-                    )
+                    flaw = f"{message.name} has the identifier {key[0]:#x} of {by_key[key].name}"
+                    expected = "one description of each frame"
+                    do = f'name the DBC of each bus, as in dbc = {{1 = "{path.name}"}}'
+                    raise ChannelMapError(flaw, where=path, expected=expected, do=do)
                 by_key[key] = message
             notes.append(f"{prefix}frames decoded by {path.name} (SHA-256 {sha256(content)[:16]})")
             notes += [f"{prefix}{path.name}: {flaw}" for flaw in flaws]
@@ -134,12 +129,8 @@ def _load(cantools: Any, path: Path) -> "tuple[bytes, list[_Described], list[str
     if file_format in ("dbc", "sym"):  # the others are XML, which needs no such limit
         longest = max(map(len, text.replace('\\"', "''").split('"')[1::2]), default=0)
         if longest > _LONGEST_TEXT:
-            raise ChannelMapError(
-                f"a text in quotes has {longest} characters",
-                where=path,
-                expected=f"at most {_LONGEST_TEXT}",
-                do="is a quote missing?",
-            )
+            flaw, do = f"a text in quotes has {longest} characters", "is a quote missing?"
+            raise ChannelMapError(flaw, where=path, expected=f"at most {_LONGEST_TEXT}", do=do)
     try:
         if file_format == "dbc":
             messages, flaws = _by_message(cantools, text, str(path))
@@ -147,9 +138,8 @@ def _load(cantools: Any, path: Path) -> "tuple[bytes, list[_Described], list[str
             database = cantools.database.load_string(text, file_format, strict=True)
             messages, flaws = database.messages, []
     except Exception as cause:  # cantools raises many kinds, some of its parser's
-        raise ChannelMapError(
-            f"not a valid {name}: {cause}", where=path, expected=f"the format {name}"
-        ) from cause
+        flaw = f"not a valid {name}: {cause}"
+        raise ChannelMapError(flaw, where=path, expected=f"the format {name}") from cause
     flawed = [message for message in messages if isinstance(message, Flawed)]
     if len(flawed) == len(messages):
         example = f", as {flawed[0].name}: {flawed[0].why}" if flawed else ""

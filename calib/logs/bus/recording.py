@@ -100,23 +100,21 @@ def captured(messages: "Iterable[can.Message]", dbc: Dbc, where: str) -> Capture
     return capture
 
 
-def _frames_of(bus: str, key: Key, time: Array, data: list[bytes]) -> Frames:
-    length = np.fromiter(map(len, data), np.uint16, len(data))
-    width = int(length.max())
-    padded = b"".join(d.ljust(width, b"\0") for d in data)
-    return Frames(bus, key, time, np.frombuffer(padded, np.uint8).reshape(len(data), width), length)
-
-
 def require_dbc(databases: Databases, extra: str, where: str) -> Dbc:
     """Read the databases of a channel map. Raises LogError if it names none."""
     if not any(databases.values()):
-        raise LogError(
-            "bus frames do not contain the names of their signals",
-            where=where,
-            expected="a DBC that describes them",
-            do='write `dbc = "FILE.dbc"` into a channel map and give it with --map',
-        )
+        flaw = "bus frames do not contain the names of their signals"
+        do = 'write `dbc = "FILE.dbc"` into a channel map and give it with --map'
+        raise LogError(flaw, where=where, expected="a DBC that describes them", do=do)
     return read_databases(databases, extra, where)
+
+
+def frames_of(bus: str, key: Key, time: Array, data: list[bytes]) -> Frames:
+    """Return n frames with the bytes ``data`` at ``time`` [s] (n,)."""
+    length = np.fromiter(map(len, data), np.uint16, len(data))
+    width = int(length.max())
+    padded = np.frombuffer(b"".join(x.ljust(width, b"\0") for x in data), np.uint8)
+    return Frames(bus, key, time, padded.reshape(len(data), width), length)
 
 
 def recording(capture: Capture, dbc: Dbc, notes: tuple[str, ...], where: str) -> Recording:
@@ -129,9 +127,9 @@ def recording(capture: Capture, dbc: Dbc, notes: tuple[str, ...], where: str) ->
         if described and described[0]:
             indices, data = described
             times = time[np.asarray(indices, np.int64)] - begin
-            frames.append(_frames_of(bus, key, times, data))
+            frames.append(frames_of(bus, key, times, data))
     buses = sorted({bus for bus, _ in capture.frames})
-    require_described(frames, buses, dbc, where)
+    check_described(frames, buses, dbc, where)
     frame_notes = [f"time counts from the first frame, which was written at {begin:.6f} s"]
     if capture.errors:
         frame_notes.append(f"{capture.errors} error frames were ignored")
@@ -143,19 +141,15 @@ def recording(capture: Capture, dbc: Dbc, notes: tuple[str, ...], where: str) ->
     return Recording((CLOCK, *columns), read, (*dbc.notes, *notes, *frame_notes))
 
 
-def require_described(frames: list[Frames], buses: Sequence[str], dbc: Dbc, where: str) -> None:
+def check_described(frames: list[Frames], buses: Sequence[str], dbc: Dbc, where: str) -> None:
     """Raise LogError if the DBC describes none of the frames; ``buses`` are those of the log."""
     if any(dbc.find(item.bus, item.key) for item in frames):
         return
     has_named_buses = set(dbc.buses) != {""}
     names = f" (its buses are {', '.join(buses)})" if buses and has_named_buses else ""
     messages = [m.name for by_key in dbc.buses.values() for m in by_key.values()]
-    raise LogError(
-        f"no frame of the log{names} is in the DBC",
-        where=where,
-        expected=f"one of {quoted(messages)}",
-        do="is it the DBC of this bus?",
-    )
+    flaw, do = f"no frame of the log{names} is in the DBC", "is it the DBC of this bus?"
+    raise LogError(flaw, where=where, expected=f"one of {quoted(messages)}", do=do)
 
 
 def described_signals(frames: list[Frames], dbc: Dbc) -> tuple[list[Column], list["_Source"]]:
@@ -218,7 +212,11 @@ def _present(frames: Frames, message: "Message", signal: "Signal") -> Mask:
 
 
 def _raw(data: NDArray[np.uint8], signal: "Signal") -> NDArray[np.uint64]:
-    """Unsigned integers (n,) of a signal in frames (n, bytes)."""
+    """Unsigned integers (n,) of a signal in frames (n, bytes).
+
+    The bits of each byte are put in the order of the signal: lowest first in little endian, highest
+    first in big endian. In this order a signal covers adjacent bits from `_first_bit` on.
+    """
     is_little = signal.byte_order == "little_endian"
     first_bit = _first_bit(signal)
     byte, bit = divmod(first_bit, 8)
@@ -229,10 +227,6 @@ def _raw(data: NDArray[np.uint8], signal: "Signal") -> NDArray[np.uint64]:
 
 
 def _first_bit(signal: "Signal") -> int:
-    """Place of the start bit in the bits of `_raw`, in which the signal covers adjacent bits.
-
-    In big endian they begin with the highest bit of each byte.
-    """
     byte, bit = divmod(signal.start, 8)
     return 8 * byte + (bit if signal.byte_order == "little_endian" else 7 - bit)
 

@@ -63,12 +63,10 @@ def _asc(lines: Iterable[str], state: _TextState) -> Iterator[str]:
     for line in lines:
         if in_header:
             if _RELATIVE.match(line):
-                raise LogError(
-                    "its timestamps are relative to the line before ('timestamps relative')",
-                    where=state.path,
-                    expected="timestamps absolute: a missing line would shift all later ones",
-                    do="export it again with absolute timestamps",
-                )
+                flaw = "its timestamps are relative to the line before ('timestamps relative')"
+                expected = "timestamps absolute: a missing line would shift all later ones"
+                do = "export it again with absolute timestamps"
+                raise LogError(flaw, where=state.path, expected=expected, do=do)
             in_header = not line.strip() or bool(_HEADER.match(line))
             if not (in_header or _EVENTS.match(line)):
                 yield "no internal events logged\n"
@@ -143,12 +141,8 @@ def open_text_log(path: Path, dbc: Databases) -> Recording:
 
 def _require_version(head: str, path: Path) -> None:
     if (version := _VERSION.search(head)) and version[1] not in _VERSIONS:
-        raise LogError(
-            f"version {version[1]} of TRC",
-            where=path,
-            expected=f"one of {', '.join(_VERSIONS)}",
-            do="convert it with PEAK-Converter",
-        )
+        expected, do = f"one of {', '.join(_VERSIONS)}", "convert it with PEAK-Converter"
+        raise LogError(f"version {version[1]} of TRC", where=path, expected=expected, do=do)
 
 
 def _whole_frames(

@@ -4,8 +4,8 @@ Header cells that are read as a name and a unit:
 name [unit]    always
 name (unit)    if the text in brackets is a unit, or the name is that of a channel
 name|unit|...  always; lowest and highest value and rate may follow
-name_unit      if the name is that of a channel and the ending is a unit of it; or if the ending
-               has three letters and is a unit of some channel: ``brake_bar``, not ``valve_s``
+name_unit      if the name is that of a channel and the ending a unit of it; or if the ending is a
+               unit of some channel and longer than two letters: ``brake_bar``, not ``valve_s``
 
 Cells that are read as times; a date is left out:
 14:03:07,120    2026-03-14T14:03:07.120+01:00    14-Mar-2026 2:03:07.120 PM    03:07.120    0.12 sec
@@ -93,12 +93,9 @@ def with_unit_row(columns: Sequence[Column], cells: Sequence[str], where: str) -
     for column, cell in zip(columns, cells, strict=True):
         unit = _without_brackets(cell)
         if unit and column.unit and spelling(unit) != spelling(column.unit):
-            raise LogError(
-                f"the header has two units: {column.unit!r} and, in the row below, {unit!r}",
-                where=f"{where}: {column.name}",
-                expected="one unit",
-                do="correct the header",
-            )
+            flaw = f"the header has two units: {column.unit!r} and, in the row below, {unit!r}"
+            place, do = f"{where}: {column.name}", "correct the header"
+            raise LogError(flaw, where=place, expected="one unit", do=do)
         result.append(Column(column.name, column.unit or unit or None, column.full))
     return result
 
@@ -154,11 +151,9 @@ def clock_seconds(cells: Sequence[str | None], where: str) -> Array:
             continue
         seconds = _seconds(text)
         if seconds is None:
-            raise LogError(
-                f"row {row + 1}: {text[:60]!r} is not a time of day",
-                where=where,
-                expected="the form of the other rows, such as 14:03:07.120",
-            )
+            flaw = f"row {row + 1}: {text[:60]!r} is not a time of day"
+            expected = "the form of the other rows, such as 14:03:07.120"
+            raise LogError(flaw, where=where, expected=expected)
         values[row], period = seconds[0], max(period, seconds[1])
     return from_first(over_midnight(values, period), where)
 
@@ -177,11 +172,8 @@ def from_first(time: Array, where: str) -> Array:
     present = time[~np.isnan(time)]
     repeated = int(np.count_nonzero(np.diff(present) == 0.0))
     if repeated > REPEATED * time.size:
-        flaw = f"{repeated} of {time.size} rows have the time of the row before"
-        raise LogError(
-            f"the clock is too coarse: {flaw}",
-            where=where,
-            expected="a time of its own for each row",
-            do="export the time with parts of a second, or as seconds from the start of the log",
-        )
+        rows = f"{repeated} of {time.size} rows have the time of the row before"
+        expected = "a time of its own for each row"
+        do = "export the time with parts of a second, or as seconds from the start of the log"
+        raise LogError(f"the clock is too coarse: {rows}", where=where, expected=expected, do=do)
     return np.round(time - present[0], 9) if present.size else time

@@ -107,11 +107,9 @@ class TextRows:
         other_widths = [len(row) for row in earlier if len(row) != width]
         if 2 * len(other_widths) > len(earlier):
             rows = f"{len(other_widths)} of the {len(earlier)} rows before the last one"
-            raise LogError(
-                f"{rows} have {min(other_widths)} to {max(other_widths)} cells",
-                where=self.where,
-                expected=f"a table: {width} cells in each row, as the header has",
-            )
+            flaw = f"{rows} have {min(other_widths)} to {max(other_widths)} cells"
+            expected = f"a table: {width} cells in each row, as the header has"
+            raise LogError(flaw, where=self.where, expected=expected)
         has_line_end = data.endswith((b"\n", b"\r"))
         is_cut = len(last) < width or lines[-1].count('"') % 2 == 1
         if not is_cut and not has_line_end:
@@ -168,17 +166,13 @@ class TextRows:
             r"column #(\d+): Row #(\d+): .*?invalid value '(.*)'", cause, re.DOTALL
         ):
             mark = {".": "point", ",": "comma"}[self.decimal]
-            return LogError(
-                f"row {cell[2]}: {cell[3].strip()[:60]!r} is not a number",
-                where=f"{self.where}: {self.columns[int(cell[1])].name}",
-                expected=f"a number with a decimal {mark}, or an empty cell",
-            )
+            flaw = f"row {cell[2]}: {cell[3].strip()[:60]!r} is not a number"
+            place = f"{self.where}: {self.columns[int(cell[1])].name}"
+            expected = f"a number with a decimal {mark}, or an empty cell"
+            return LogError(flaw, where=place, expected=expected)
         if row := re.search(r"Row #(\d+): Expected (\d+) columns, got (\d+)", cause):
-            return LogError(
-                f"row {row[1]} has {row[3]} cells",
-                where=self.where,
-                expected=f"{row[2]}, as the header has",
-                do="look at the row; was the log written by two programs at once?",
-            )
+            flaw, expected = f"row {row[1]} has {row[3]} cells", f"{row[2]}, as the header has"
+            do = "look at the row; was the log written by two programs at once?"
+            return LogError(flaw, where=self.where, expected=expected, do=do)
         flaw = f"not readable as CSV: {cause[:200]}"
         return LogError(flaw, where=self.where, expected="separated text")

@@ -103,12 +103,10 @@ def decimal_of(rows: Sequence[Sequence[str]], separator: str, where: str) -> str
         if separator == "," or not may_be_thousands:
             return marks[0]
     examples = ", ".join(repr(Counter(numbers[mark]).most_common(1)[0][0]) for mark in marks)
-    raise LogError(
-        f"the decimal mark is ambiguous: {examples}",
-        where=where,
-        expected="one mark, and no separator of thousands",
-        do='give it in a channel map (--map): [text] with decimal = "," or decimal = "."',
-    )
+    flaw = f"the decimal mark is ambiguous: {examples}"
+    expected = "one mark, and no separator of thousands"
+    do = 'give it in a channel map (--map): [text] with decimal = "," or decimal = "."'
+    raise LogError(flaw, where=where, expected=expected, do=do)
 
 
 _TOP = 200  # lines in which the header is looked for
@@ -144,22 +142,17 @@ def layout_of(data: bytes, begin: int, text_format: TextFormat, where: str) -> L
         if len(rivals) == 1:
             return best
         names = [f"{SEPARATORS[x.separator]} ({x.separator!r})" for x in rivals]
-        raise LogError(
-            f"the columns may be separated by {' or '.join(names)}",
-            where=where,
-            expected="one separator that fits",
-            do=f'give it in a channel map (--map): [text] with separator = "{best.separator}"',
-        )
+        flaw = f"the columns may be separated by {' or '.join(names)}"
+        do = f'give it in a channel map (--map): [text] with separator = "{best.separator}"'
+        raise LogError(flaw, where=where, expected="one separator that fits", do=do)
     below_names = [line.decode("latin-1") for line in lines if line.strip()][1:]
     splits = [cells_of(line, s) for line in below_names[:1] for s in separators]
     if not below_names or (len(below_names) == 1 and any(map(is_unit_row, splits))):
         raise LogError("a header and no samples", where=where, expected="at least 50 rows")
-    raise LogError(
-        "no header with rows of numbers below it",
-        where=where,
-        expected="a header, and rows of as many numbers, separated by comma, semicolon, tab or bar",
-        do="look at the first lines; decimal commas need another separator than the comma",
-    )
+    flaw = "no header with rows of numbers below it"
+    expected = "a header, and rows of as many numbers, separated by comma, semicolon, tab or bar"
+    do = "look at the first lines; decimal commas need another separator than the comma"
+    raise LogError(flaw, where=where, expected=expected, do=do)
 
 
 def _lines(data: bytes, start: int) -> tuple[list[bytes], list[int]]:

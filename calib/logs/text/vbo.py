@@ -66,11 +66,8 @@ def _sections(data: bytes, where: str) -> tuple[dict[str, list[str]], bytes, lis
     """Return the lines of each section by name, the bytes of [data], and a note on the encoding."""
     begin = _DATA.search(data)
     if begin is None:
-        raise LogError(
-            "no section [data]: not a VBO file, or cut off",
-            where=where,
-            expected="[header], [column names] and [data]",
-        )
+        flaw = "no section [data]: not a VBO file, or cut off"
+        raise LogError(flaw, where=where, expected="[header], [column names] and [data]")
     head, note = text_of(data[: begin.start()])
     parts = re.split(r"^\[([^\]\r\n]+)\].*$", head, flags=re.MULTILINE)
     sections = {
@@ -88,11 +85,8 @@ def _columns(sections: dict[str, list[str]], where: str) -> tuple[tuple[Column, 
     names = [line for line in sections["header"] if line]
     short_names = " ".join(sections["column names"]).split()
     if len(names) != len(short_names):
-        raise LogError(
-            f"{len(names)} names in [header], {len(short_names)} in [column names]",
-            where=where,
-            expected="the same number in both",
-        )
+        flaw = f"{len(names)} names in [header], {len(short_names)} in [column names]"
+        raise LogError(flaw, where=where, expected="the same number in both")
     units, notes = _units(sections.get("channel units", []), names)
     columns = []
     for i, (name, short_name) in enumerate(zip(names, short_names, strict=True)):
@@ -155,10 +149,7 @@ def _seconds(written: Array, where: str) -> Array:
     minutes, seconds = np.divmod(minutes_seconds, 100.0)
     wrong = np.flatnonzero(~((hours < 24) & (minutes < 60) & (seconds < 60)))
     if wrong.size:
-        raise LogError(
-            f"row {wrong[0] + 1}: {written[wrong[0]]:.10g} is not a time of day",
-            where=f"{where}: time",
-            expected="HHMMSS.ss",
-        )
+        flaw = f"row {wrong[0] + 1}: {written[wrong[0]]:.10g} is not a time of day"
+        raise LogError(flaw, where=f"{where}: time", expected="HHMMSS.ss")
     time = np.round(3600.0 * hours + 60.0 * minutes + seconds, 6)
     return over_midnight(time)

@@ -9,7 +9,7 @@ import pytest
 
 from calib.base.errors import ChannelMapError, LogError
 from calib.logs.bus.dbc import read_databases
-from calib.logs.bus.recording import _frames_of, decode, described_signals
+from calib.logs.bus.recording import decode, described_signals, frames_of
 from tests.support.databases import SAMPLES
 from tests.support.recordings import DBC
 
@@ -40,7 +40,7 @@ def known(tmp_path, text, name="a.dbc"):
 
 def decoded(dbc, name, data):
     message = dbc.buses[""][1, False]
-    frames = _frames_of("0", (1, False), np.arange(float(len(data))), data)
+    frames = frames_of("0", (1, False), np.arange(float(len(data))), data)
     return decode(frames, message, message.get_signal_by_name(name))
 
 
@@ -131,7 +131,7 @@ def test_a_flaw_costs_its_message(tmp_path, flaw):
     dbc = known(tmp_path, MUX + flaw)
     assert decoded(dbc, "Speed", [bytes([0, 0, 0, 0, 254, 0, 0, 0])]).values[0] == 127.0
     assert len(dbc.notes) == 2
-    columns, places = described_signals([_frames_of("0", (9, False), np.zeros(1), [bytes(2)])], dbc)
+    columns, places = described_signals([frames_of("0", (9, False), np.zeros(1), [bytes(2)])], dbc)
     assert columns
     with pytest.raises(LogError, match=r"4WD|OTHER"):
         decode(*places[0])
@@ -176,7 +176,7 @@ def theirs(path):
 def random_frames(key, length):
     rows = np.random.default_rng(key[0]).integers(0, 256, (FRAMES, length), np.uint8)
     data = [bytes(row) for row in rows]
-    return data, _frames_of("0", key, np.arange(float(FRAMES)), data)
+    return data, frames_of("0", key, np.arange(float(FRAMES)), data)
 
 
 def ours(frames, message, signal):
