@@ -15,18 +15,10 @@ from calib.logs.whole import WholeColumn, WholeLog, read_whole
 from calib.logs.write import WRITERS, write_csv, write_parquet
 from tests.support.recordings import write_map, write_mdf
 
-ROWS = 50
-
-
-def make_log(seed=3, scale=1.0):
-    rng = np.random.default_rng(seed)
-    channels = {name: scale * rng.normal(size=ROWS) for name in CHANNELS}
-    channels["time"] = np.arange(ROWS) / 200
-    truth = {name: rng.normal(size=ROWS) for name in ("true_Tb_fl", "true_mu_pad_r")}
-    return Log("run", "here", "", channels, truth)
-
-
-LOG = make_log()
+RNG = np.random.default_rng(3)
+VALUES = {name: RNG.normal(size=50) for name in CHANNELS} | {"time": np.arange(50) / 200}
+TRUTH = {name: RNG.normal(size=50) for name in ("true_Tb_fl", "true_mu_pad_r")}
+LOG = Log("run", "here", "", VALUES, TRUTH)
 
 
 @pytest.mark.parametrize("write", [write_csv, write_parquet])

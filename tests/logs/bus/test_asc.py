@@ -5,21 +5,10 @@ import re
 import numpy as np
 import pytest
 
-from calib.base.errors import LogError
-from calib.logs.read import read_log
-from tests.support.recordings import write_bus
-from tests.support.refusals import refusal
-
 
 @pytest.fixture(scope="module")
-def folder(bus_folder):
-    write_bus(bus_folder / "whole.asc")
-    return bus_folder
-
-
-@pytest.fixture(scope="module")
-def text(folder):
-    return (folder / "whole.asc").read_text()
+def text(bus_folder):
+    return (bus_folder / "whole.asc").read_text()
 
 
 @pytest.fixture(scope="module")
@@ -28,25 +17,15 @@ def classic(text):
     return re.search(r"(?m)^.* 100 .*(Rx|Tx) +d 8 .*$", text)[0]
 
 
-def read(folder, text):
-    path = folder / "other.asc"
-    path.write_text(text)
-    return read_log(path, folder / "map.toml")
-
-
-def refused(folder, text):
-    return refusal(read, folder, text, kind=LogError)
-
-
 @pytest.mark.parametrize("share", [0.0005, 0.3333, 0.99999])
-def test_a_file_cut_anywhere_is_refused(folder, text, share):
-    refused(folder, text[: int(share * len(text))])
+def test_a_file_cut_anywhere_is_refused(refused_bus, text, share):
+    refused_bus("other.asc", text[: int(share * len(text))])
 
 
-def test_cut_at_the_end_of_a_line(folder, text):
+def test_cut_at_the_end_of_a_line(refused_bus, text):
     lines = text.splitlines(keepends=True)[:2005]
     frames = sum(bool(re.search(r" (Rx|Tx) ", line)) for line in lines)
-    assert f"{frames} frames up to" in refused(folder, "".join(lines))
+    assert f"{frames} frames up to" in refused_bus("other.asc", "".join(lines))
 
 
 def without_header(text, _):
@@ -60,8 +39,8 @@ def length_past_8(text, frame):
 
 
 @pytest.mark.parametrize("change", [without_header, length_past_8])
-def test_what_loses_no_frame(folder, text, classic, change):
-    whole, log = read(folder, text), read(folder, change(text, classic))
+def test_what_loses_no_frame(read_bus, text, classic, change):
+    whole, log = read_bus("other.asc", text), read_bus("other.asc", change(text, classic))
     np.testing.assert_array_equal(log["omega_fl"], whole["omega_fl"])
 
 
@@ -74,7 +53,7 @@ def test_what_loses_no_frame(folder, text, classic, change):
         ("timestamps absolute", "timestamps relative", "relative"),
     ],
 )
-def test_what_is_no_frame_or_no_clock(folder, text, old, new, says):
+def test_what_is_no_frame_or_no_clock(refused_bus, text, old, new, says):
     damaged, count = re.subn(f"(?m){old}", new, text, count=1)
     assert count == 1
-    assert says in refused(folder, damaged)
+    assert says in refused_bus("other.asc", damaged)

@@ -9,44 +9,29 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from calib.base.errors import LogError
 from calib.logs.bus.blf import open_blf
 from calib.logs.read import read_log
 from tests.support.blf import HEADER, RESTORE, blf, block, container, frame, header
-from tests.support.recordings import messages, write_bus
-from tests.support.refusals import refusal
+from tests.support.recordings import messages
 
 
 @pytest.fixture(scope="module")
-def folder(bus_folder):
-    """A whole BLF file, `whole.blf`, and its map."""
-    write_bus(bus_folder / "whole.blf", 1.7e9)
-    return bus_folder
-
-
-def refused(folder, data, name="cut.blf"):
-    path = folder / name
-    path.write_bytes(data)
-    return refusal(read_log, path, folder / "map.toml", kind=LogError)
-
-
-@pytest.fixture(scope="module")
-def many(folder):
+def many(bus_folder):
     """A file of several containers, and the byte where one in its middle begins."""
-    with can.BLFWriter(folder / "many.blf", max_container_size=8192) as log:
+    with can.BLFWriter(bus_folder / "many.blf", max_container_size=8192) as log:
         for message in messages(1.7e9):
             log.on_message_received(message)
-    data = (folder / "many.blf").read_bytes()
+    data = (bus_folder / "many.blf").read_bytes()
     return data, data.index(b"LOBJ", len(data) // 2)
 
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=40)
 @given(share=st.floats(0.0, 1.0, exclude_max=True))
-def test_a_file_cut_anywhere_is_refused(folder, many, share):
+def test_a_file_cut_anywhere_is_refused(refused_bus, many, share):
     """Also where a container ends: python-can reads such a half in silence."""
     data, end = many
     for left in (int(share * len(data)), end):
-        message = refused(folder, data[:left])
+        message = refused_bus("cut.blf", data[:left])
         assert left < HEADER or f"{len(data) - left} are missing" in message
 
 
@@ -64,13 +49,13 @@ def flipped(data, _):
 
 
 @pytest.mark.parametrize("damage", [mended, unfinished, flipped])
-def test_a_damaged_file_is_refused(folder, many, damage):
-    refused(folder, damage(*many))
+def test_a_damaged_file_is_refused(refused_bus, many, damage):
+    refused_bus("cut.blf", damage(*many))
 
 
-def test_other_objects_are_counted_but_are_no_frames(folder):
+def test_other_objects_are_counted_but_are_no_frames(bus_folder):
     """A marker, an error frame and a remote frame between the frames."""
-    path, known = folder / "more.blf", messages(1.7e9)
+    path, known = bus_folder / "more.blf", messages(1.7e9)
     at = known[100].timestamp
     remote = {"arbitration_id": 256, "is_extended_id": False, "is_remote_frame": True}
     with can.BLFWriter(path) as log:
@@ -80,9 +65,9 @@ def test_other_objects_are_counted_but_are_no_frames(folder):
                 log.log_event("brakes on", at)
                 log.on_message_received(can.Message(timestamp=at, is_error_frame=True))
                 log.on_message_received(can.Message(timestamp=at, **remote))
-    log = read_log(path, folder / "map.toml")
+    log = read_log(path, bus_folder / "map.toml")
     assert "1 error frames were ignored" in log.notes
-    whole = read_log(folder / "whole.blf", folder / "map.toml")
+    whole = read_log(bus_folder / "whole.blf", bus_folder / "map.toml")
     np.testing.assert_array_equal(log["omega_fl"], whole["omega_fl"])
 
 
@@ -94,17 +79,17 @@ def vector(**more):
     return blf([rows[:half], rows[half:], ends], 300, **more)
 
 
-def opened(folder, data):
+def opened(bus_folder, data):
     """The first wheel."""
-    path = folder / "made.blf"
+    path = bus_folder / "made.blf"
     path.write_bytes(data)
-    return open_blf(path, {"": (folder / "chassis.dbc",)}).read([1])[0]
+    return open_blf(path, {"": (bus_folder / "chassis.dbc",)}).read([1])[0]
 
 
 @pytest.mark.parametrize("compressed", [False, True])
-def test_objects_that_the_writer_does_not_count(folder, compressed):
+def test_objects_that_the_writer_does_not_count(bus_folder, compressed):
     """Six of six files of Vector's programs in the tests of python-can are like this."""
-    wheel = opened(folder, vector(compressed=compressed))
+    wheel = opened(bus_folder, vector(compressed=compressed))
     np.testing.assert_allclose(wheel.time, 0.01 * np.arange(300), atol=5e-7)
     np.testing.assert_allclose(wheel.values, 0.005 * (np.arange(300) % 200))
 
@@ -143,5 +128,5 @@ REFUSED = {
 
 
 @pytest.mark.parametrize(("data", "says"), REFUSED.values(), ids=REFUSED)
-def test_what_is_not_whole(folder, data, says):
-    assert says in refused(folder, data)
+def test_what_is_not_whole(refused_bus, data, says):
+    assert says in refused_bus("cut.blf", data)

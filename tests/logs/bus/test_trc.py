@@ -6,7 +6,7 @@ import pytest
 from calib.base.errors import LogError
 from calib.logs.bus.text_logs import open_text_log
 from calib.logs.read import read_log
-from tests.support.recordings import messages, write_bus
+from tests.support.recordings import messages
 from tests.support.refusals import refusal
 from tests.support.trc import HEADS, trc
 
@@ -14,29 +14,23 @@ VERSIONS = list(HEADS)
 
 
 @pytest.fixture(scope="module")
-def folder(bus_folder):
-    write_bus(bus_folder / "whole.log", 1.7e9)
-    return bus_folder
-
-
-@pytest.fixture(scope="module")
 def texts():
     return {version: trc(version, messages()) for version in VERSIONS}
 
 
-def opened(folder, text, name="run.trc"):
-    path = folder / name
+def opened(bus_folder, text, name="run.trc"):
+    path = bus_folder / name
     path.write_text(text)
-    return open_text_log(path, {"": (folder / "chassis.dbc",)})
+    return open_text_log(path, {"": (bus_folder / "chassis.dbc",)})
 
 
-def refused(folder, text):
-    return refusal(opened, folder, text, kind=LogError, names="run.trc")
+def refused(bus_folder, text):
+    return refusal(opened, bus_folder, text, kind=LogError, names="run.trc")
 
 
 @pytest.mark.parametrize("version", VERSIONS)
-def test_frames_are_those_of_the_run(folder, texts, version):
-    found = opened(folder, texts[version])
+def test_frames_are_those_of_the_run(bus_folder, texts, version):
+    found = opened(bus_folder, texts[version])
     index = [c.name for c in found.columns].index("PMc")
     (pressure,) = found.read([index])
     mine = [m for m in messages() if m.is_extended_id and m.data[0] & 3 == 1]
@@ -47,9 +41,11 @@ def test_frames_are_those_of_the_run(folder, texts, version):
     np.testing.assert_allclose(pressure.time, [m.timestamp - begin for m in mine], atol=1.1 * tick)
 
 
-def test_a_log_with_fd_frames(folder, texts):
-    (folder / "run.trc").write_text(texts["2.1"])
-    log, whole = (read_log(folder / n, folder / "map.toml") for n in ("run.trc", "whole.log"))
+def test_a_log_with_fd_frames(bus_folder, texts):
+    (bus_folder / "run.trc").write_text(texts["2.1"])
+    log, whole = (
+        read_log(bus_folder / n, bus_folder / "map.toml") for n in ("run.trc", "whole.log")
+    )
     for name in ("omega_fl", "p_mc", "a_x", "v"):
         np.testing.assert_allclose(log[name], whole[name], rtol=1e-4, atol=1e-9)
 
@@ -64,20 +60,20 @@ DAMAGE = {
 
 @pytest.mark.parametrize("version", VERSIONS)
 @pytest.mark.parametrize("damage", DAMAGE)
-def test_a_damaged_line(folder, texts, version, damage):
+def test_a_damaged_line(bus_folder, texts, version, damage):
     if (version, damage) == ("1.0", "type"):
         pytest.skip("it has no types")
     lines = texts[version].splitlines(keepends=True)
     lines[300] = DAMAGE[damage](lines[300])
-    refused(folder, "".join(lines))
+    refused(bus_folder, "".join(lines))
 
 
 @pytest.mark.parametrize("version", VERSIONS)
-def test_a_last_line_that_is_cut_off(folder, texts, version):
+def test_a_last_line_that_is_cut_off(bus_folder, texts, version):
     """Without its end of line a line is whole, and PEAK-Converter leaves it out."""
     lines = texts[version].splitlines(keepends=True)[:301]
-    count = len(opened(folder, "".join(lines[:300])).read([1])[0].time)
+    count = len(opened(bus_folder, "".join(lines[:300])).read([1])[0].time)
     text = "".join(lines)
-    assert len(opened(folder, text[:-1]).read([1])[0].time) in (count, count + 1)
+    assert len(opened(bus_folder, text[:-1]).read([1])[0].time) in (count, count + 1)
     for cut in (2, 7, 13):
-        refused(folder, text[:-cut])
+        refused(bus_folder, text[:-cut])

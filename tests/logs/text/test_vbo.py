@@ -59,10 +59,6 @@ def vbo(start=START, rows=60, end="\r\n", blank=" ", tail=""):
     return (HEAD.replace("\n", end) + body).encode()
 
 
-def refused(data):
-    return refusal(lambda: open_vbo(data, "run.vbo").read(range(5)), kind=LogError, names="run.vbo")
-
-
 @pytest.mark.parametrize(
     "data",
     [vbo(), vbo(end="\n"), vbo(blank="  "), vbo(blank="\t"), vbo(tail=" "),
@@ -104,7 +100,9 @@ def test_time_of_day_runs_on_past_midnight(start):
     ],
 )
 def test_what_is_no_vbo(data, says):
-    assert says in refused(data)
+    assert says in refusal(
+        lambda: open_vbo(data, "run.vbo").read(range(5)), kind=LogError, names="run.vbo"
+    )
 
 
 def with_units(header, units):
