@@ -48,10 +48,9 @@ def one_blas_thread() -> Iterator[None]:
 def worker_pool(count: int, *preload: str) -> ProcessPoolExecutor:
     """Return a pool of ``count`` processes, which start with the first work.
 
-    Each has one thread for linear algebra, unless the environment of this process, which they get,
-    already sets another number. Except on Windows the processes are forked from a server that has
-    imported the modules ``preload``. They ignore interrupts, which their parent handles, and end
-    when the parent ends.
+    Each has one thread for linear algebra, unless the environment sets another number. Except on
+    Windows the processes are forked from a server that has imported the modules ``preload``. They
+    ignore interrupts, which their parent handles, and end when the parent ends.
     """
     for library in ("OPENBLAS", "OMP", "MKL"):
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
@@ -66,9 +65,9 @@ def worker_pool(count: int, *preload: str) -> ProcessPoolExecutor:
 def parallel_map(count: int, preload: str) -> Iterator[MapFunction]:
     """Yield a function like `map` that uses ``count`` processes; `map` itself if ``count`` is 1.
 
-    The module ``preload`` is imported as by `worker_pool`. As always with Python's processes,
-    mapped functions must be at the top level of a module, their items and results must be
-    picklable, and a script must guard its main part. Raises BatchError if a process died.
+    The module ``preload`` is imported as by `worker_pool`. Functions must be at the top level of a
+    module, items and results picklable, and a script must guard its main part. Raises BatchError if
+    a process died.
     """
     if count <= 1:
         yield map
@@ -85,8 +84,7 @@ def parallel_map(count: int, preload: str) -> Iterator[MapFunction]:
             pool.submit(os.getpid)  # starts a process, which imports while this process goes on
         yield mapped
     except BrokenExecutor as error:
-        # if a signal to the whole group ended the workers, it ends this process, too, during this
-        # sleep, and the error below is not raised
+        # a signal to the whole group of processes ends this process, too, in this time
         time.sleep(_SIGNAL_TIME)
         flaw = "a worker process died"
         raise BatchError(flaw, do="repeat it; if memory ran out, with --workers 1") from error

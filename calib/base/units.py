@@ -100,8 +100,5 @@ def from_si(values: Number, unit: str, si: str) -> Number:
 
 def is_unit(text: str, si: str | None = None) -> bool:
     """Whether ``text`` is a known unit; if ``si`` is given, of the quantity with that SI unit."""
-    try:
-        unit_of(text, si if si is not None else si_of(text))
-    except UnknownUnit:
-        return False
-    return True
+    quantities = QUANTITIES.values() if si is None else [QUANTITIES[si]]
+    return any(spelling(text) in units for _, units in quantities)

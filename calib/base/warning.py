@@ -179,8 +179,8 @@ def unexplained(
     """Return the warnings that follow from no other warning, in the order of the rules.
 
     For example, locked wheels that follow from a wrong unit are left out. ``others`` are warnings
-    from which some may follow, but which are not returned. Warnings follow from a code only where
-    its first rule is broken. A code from which some follow is shown in the unit of its rule.
+    from which some may follow, but which are not returned. Warnings follow from a code only if its
+    first rule is broken; these codes are shown in the unit of their rule.
     """
     candidates, explained = tuple(warnings), set[str]()
     for warning in (*candidates, *others):

@@ -60,8 +60,8 @@ def base_estimates(fit: Fit) -> dict[str, ParameterEstimate]:
         (b.pad_friction_f, b.pad_friction_r, b.tyre.stiffness, b.tyre.peak, b.radius)
         for b, _ in _intervals(fit)
     ]
-    by_name = zip(names, zip(*ends, strict=True), strict=True)
-    return {name: _estimate(values, "1") for name, values in by_name}
+    ends_by_name = zip(names, zip(*ends, strict=True), strict=True)
+    return {name: _estimate(values, "1") for name, values in ends_by_name}
 
 
 def named(verdict: Verdict) -> tuple[Named, ...]:
@@ -115,7 +115,7 @@ def _runner_up(search: Search, name: str) -> RunnerUp | None:
 
 
 def _estimate(ends: Iterable[float], unit: str) -> ParameterEstimate:
-    low, value, high = ends
+    low, value, high = ends  # in the order of `_intervals`
     return ParameterEstimate(value, unit, (low, high))
 
 

@@ -41,7 +41,7 @@ PLAIN_LOSS = 0.03  # share of a gain by which a term of a single number may gain
 
 @dataclass(frozen=True)
 class Ranked:
-    """A term by the linear model."""
+    """A term with its values by the linear model."""
 
     walk: Walk
     values: Array  # at the knots
@@ -55,7 +55,7 @@ def ranked_terms(fit: Fit) -> list[Ranked]:
     for number, (place, of_place) in enumerate(zip(_BASIC, by_place, strict=True)):
         fit.problem.tell("looking for the place of what is left", number, len(_BASIC))
         pulses[place] = of_place
-    # as deceleration the predicted one: with the measured one its noise would predict itself
+    # with the predicted deceleration, since the noise of the measured one would predict itself
     predicted = [predict(fit.problem.vehicle, fit.base, fit.effects, run) for run in fit.runs]
     histories = [replace(run, z=-p.a_x / G) for run, p in zip(fit.runs, predicted, strict=True)]
     unlogged = {a for a in AXLES for run in fit.runs if getattr(run, f"temperature_{a}") is None}

@@ -27,8 +27,6 @@ from calib.diagnosis.replays import Replayed
 from calib.diagnosis.search import DECISIVE, Search
 from calib.diagnosis.terms import PLAIN_LOSS, Ranked, ranked_terms, with_terms
 
-NO_GAP, NAMED, AMBIGUOUS, UNKNOWN = "no_gap", "named", "ambiguous", "unknown"
-
 WHEEL_ANGLE, FREQUENCY, SLIP = "wheel_angle", "frequency", "slip"  # drivers that no term has
 
 _SURE_SCATTERS = 8.0  # scatters of the mean squared innovation from which something is surely left
@@ -68,8 +66,8 @@ class Verdict:
     def word(self) -> str:
         """The verdict as in diagnosis.json."""
         if self.best.names:
-            return AMBIGUOUS if self.rivals else NAMED
-        return UNKNOWN if self.term else NO_GAP
+            return "ambiguous" if self.rivals else "named"
+        return "unknown" if self.term else "no_gap"
 
 
 def verdict_of(search: Search) -> Verdict:
@@ -187,12 +185,12 @@ def plainest(fit: Fit, terms: Sequence[Fit]) -> Fit:
 
 
 def _excess(fit: Fit) -> float:
-    """Excess of the sum of squares of the innovations, at least its scatter."""
+    """Excess of the sum of squares of the innovations, at least the scatter of the sum [1]."""
     return max((fit.mean_square - 1.0) * fit.count, float(np.sqrt(2.0 * fit.count)))
 
 
 def unexplained_of(fit: Fit, with_term: Fit, size: float) -> Unexplained:
-    """Describe what is left beside ``fit``; ``size`` as in `Unexplained`."""
+    """Describe what ``fit`` leaves, by the same fit ``with_term``; ``size`` as in `Unexplained`."""
     excess, (term,) = _excess(fit), with_term.effects.terms
     explained = min((fit.mean_square - with_term.mean_square) * fit.count / excess, 1.0)
     pressure = held_from(term)

@@ -11,14 +11,7 @@ from calib.diagnosis.explanation.channels import CHANNELS, STEP
 from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.unknowns import RANDOM_EFFECTS
 from calib.diagnosis.replays import HoldOuts, gap_of, holdout_effects, replayed
-from calib.diagnosis.verdict import (
-    UNKNOWN,
-    WHEEL_ANGLE,
-    Oscillation,
-    held_from,
-    oscillation_of,
-    verdict_of,
-)
+from calib.diagnosis.verdict import Oscillation, held_from, oscillation_of, verdict_of
 from calib.model.sensor_noise import add_noise
 from tests.support.effect_runs import SEDAN
 from tests.support.explained import asked, fitted, left_in, searched
@@ -79,7 +72,7 @@ def test_an_effect_that_makes_the_hold_outs_worse_is_withdrawn(drag_in_calibrati
     assert ("aerodynamic_drag",) in search.withdrawn.values()
     assert search.best.names == ()
     result = verdict_of(search)
-    assert (result.word, result.best.names) == (UNKNOWN, ())
+    assert (result.word, result.best.names) == ("unknown", ())
     # what the calibration logs have and no effect may explain is told with its driver
     assert result.term.effects.terms[0].place == "body"
     assert result.term.effects.terms[0].driver == "speed"
@@ -95,7 +88,7 @@ def hiding(name: str, seed: int, severity: int = 2, only: tuple[str, ...] = FEW)
 
 def test_what_turns_with_the_front_wheels_is_told_by_their_angle():
     result = left_in(hiding("tone_ring_runout", 31, only=FEW[:3]))
-    assert result.driver == WHEEL_ANGLE
+    assert result.driver == "wheel_angle"
     assert result.axle == "front"
     assert 0.5 < result.turning <= 1.0
 

@@ -46,7 +46,7 @@ def fit_logs(
     price = hypothesis.price(len(problem.runs))
     squares_to_end, share_to_end = tolerance
     for number in range(_ROUNDS):
-        # undamped: a damped step that ends at its bounds may predict no fall, and yet fall
+        # without damping, since a damped step that ends at bounds may fall though none is predicted
         target, predicted = _step(fit, 0.0)
         least_fall = max(squares_to_end, share_to_end * (fit.squares - fit.count))
         reachable = fit.marginal().evidence(0.0) - price + 0.5 * predicted * (_ROUNDS - number)

@@ -2,7 +2,7 @@
 
     r_i + A_i' dx + N_i' du_i ~ N(0, 1)      dx shared by all logs, du_i of log i alone
 
-    prior  u_i ~ N(0, S^2)   x ~ N(m, 1/precision)
+    prior  u_i ~ N(0, S^2)   x ~ N(x0, 1/precision)
 
 r_i are the innovations of log i at the present point, dx and du_i steps from that point. A Schur
 complement removes the random effects of each log, so another S needs the inner products alone, not
@@ -56,12 +56,12 @@ class Products:
 
 @dataclass(frozen=True)
 class Marginal:
-    """Products of all logs and of the prior, which is on the first k columns."""
+    """Products of all logs and of the prior, which is on the first p columns."""
 
-    information: Array  # products of the first k columns (k, k)
-    cross: Array  # products of the first k columns with c further ones and r (k, c + 1)
+    information: Array  # products of the first p columns (p, p)
+    cross: Array  # products of the first p columns with c further ones and r (p, c + 1)
     further: Array  # products of the further columns and r (c + 1, c + 1)
-    gradient: Array  # half the gradient of the sum of squares (k,)
+    gradient: Array  # half the gradient of the sum of squares (p,)
     squares: float  # sum of squares at the present x with the best random effects, priors included
     log_determinants: float
     """Sum of ln of the determinants of the random effects' information, less that of the prior."""
@@ -76,22 +76,22 @@ class Marginal:
         offset: Array,
         damping: float = 0.0,
     ) -> "Marginal":
-        """Add up all logs and the prior of ``precision`` (k, k).
+        """Add up all logs and the prior of ``precision`` (p, p).
 
-        ``offset`` (k,) is the present point less the mean of the prior.
+        ``offset`` (p,) is the present point less the mean of the prior.
         """
         logs = [of_log.marginalised(sigmas, damping) for of_log in products]
         grams, steps, determinants = zip(*logs, strict=True)
-        G, k = np.sum(grams, axis=0), offset.size
-        # the prior's residual dx + offset has columns in the first k places and in that of r
-        prior, places = np.column_stack([np.eye(k), offset]), [*range(k), -1]
+        G, p = np.sum(grams, axis=0), offset.size
+        # the prior's residual dx + offset has columns in the first p places and in that of r
+        prior, places = np.column_stack([np.eye(p), offset]), [*range(p), -1]
         G[np.ix_(places, places)] += prior.T @ precision @ prior
         log_determinants = sum(determinants) - float(np.linalg.slogdet(precision)[1])
         return cls(
-            information=G[:k, :k],
-            cross=G[:k, k:],
-            further=G[k:, k:],
-            gradient=G[:k, -1],
+            information=G[:p, :p],
+            cross=G[:p, p:],
+            further=G[p:, p:],
+            gradient=G[:p, -1],
             squares=float(G[-1, -1]),
             log_determinants=log_determinants,
             steps=list(steps),
