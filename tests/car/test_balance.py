@@ -22,7 +22,7 @@ from tests.support.reference_car import CAR
 from tests.support.tables import VEHICLE
 
 
-def test_brake_forces_are_2_per_axle():
+def test_brake_forces_follow_equation_2_for_both_wheels():
     p = np.array([0.0, 50e5])
     front, rear = brake_forces(CAR, p, p)
     # Table I at 50 bar: two wheels, two pad faces, at the radius of the wheel

@@ -21,7 +21,7 @@ def brakes(effects, logged=None, p=PRESSURE):
     return brakes_of(model, history, logged or {}), history
 
 
-def test_without_effects_the_clamp_is_the_pedal_and_two_wheels_stand_for_four():
+def test_without_effects_two_wheels_stand_for_four():
     computed, history = brakes({})
     assert tuple(computed.clamp) == ("fl", "rl")
     assert computed.clamp["rl"] is history.p_mc
@@ -30,7 +30,7 @@ def test_without_effects_the_clamp_is_the_pedal_and_two_wheels_stand_for_four():
     assert computed.torques(history)["fl"] == pytest.approx(gain * PRESSURE)
 
 
-def test_the_fluid_meets_valve_before_seal_whatever_the_order_of_the_file():
+def test_the_pressure_passes_valve_then_seal_in_any_order_of_the_file():
     valve = {"rear_proportioning": {"knee_slope": 0.5, "knee": 10e5}}
     seal = {"brake_threshold_pressure": {"threshold": 2e5}}
     for effects in (valve | seal, seal | valve):

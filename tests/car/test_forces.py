@@ -82,7 +82,7 @@ def test_the_loads_give_the_i_curve(car, z):
 
 
 @given(vehicles(), z_values, D_values)
-def test_18_holds_for_any_deceleration_and_difference(car, z, D):
+def test_equation_18_holds_for_any_deceleration_and_difference(car, z, D):
     z = np.asarray(z)
     F_zf, F_zr = forces.axle_loads(car, z)
     f1, f2 = forces.paper_curves(car, z, D)
@@ -101,7 +101,7 @@ def test_a_car_without_rear_brakes_is_front_biased_for_ever():
 
 
 @given(st.floats(-0.2, 0.9), st.floats(-0.2, 0.9), st.floats(1.0, 70.0))
-def test_slips_speeds_and_eta_are_one_another(slip_f, slip_r, v):
+def test_slips_give_wheel_speeds_and_eta_and_back(slip_f, slip_r, v):
     """(19)-(22): the same V from both wheels, and eta without it."""
     omega_f = forces.wheel_speed(VEHICLE.front, slip_f, v)
     omega_r = forces.wheel_speed(VEHICLE.rear, slip_r, v)

@@ -64,7 +64,7 @@ def test_a_bend_of_a_third_of_the_shape_begins_as_a_brush(peak, shape):
     assert np.all((without_bend - brush) / slip > 3e-3 * tyre.stiffness)
 
 
-def test_a_slip_leads_by_the_way_that_the_force_needs():
+def test_the_wheel_slip_leads_by_the_relaxation_length():
     """The linear tyre of ch. 7: sigma ds'/dt + v s' = v s."""
     time, v = np.linspace(0.0, 2.0, 401), np.full(401, 15.0)
     carried = 0.01 * time**2

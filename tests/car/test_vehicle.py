@@ -160,7 +160,7 @@ def test_the_example_is_the_reference_car(tmp_path):
     assert read_vehicle(path) == read_vehicle(SEDAN)
 
 
-def test_the_facts_of_the_reference_car():
+def test_characteristics_of_the_reference_car():
     facts = characteristics(VEHICLE)
     front, rear = facts["front"], facts["rear"]
     assert front["torque_per_bar_wheel"] == pytest.approx(2 * 0.38 * 28.84e-4 * 0.1309 * 1e5)
@@ -188,7 +188,7 @@ def test_what_was_weighed_is_known_to_half_a_percent_or_as_the_file_says():
     assert with_mass(replace(CAR, mass_tolerance=0.002), 2000.0).mass_tolerance == 0.002
 
 
-def test_a_known_error_of_the_mass_in_the_file_counts_no_more():
+def test_a_stated_mass_drops_the_known_mass_error():
     effects = Effects({"mass_error": {"mass_error": 0.1}, "road_grade": {"grade": 0.01}})
     assert with_mass(replace(CAR, effects=effects), 2000.0).effects.names == ("road_grade",)
 

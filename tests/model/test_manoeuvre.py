@@ -33,8 +33,8 @@ CORNERS = {
 @pytest.mark.parametrize("name", CORNERS)
 def test_a_trace_goes_through_its_corners(name):
     time, trace = manoeuvre(name)
-    found = np.interp(list(CORNERS[name]), time, trace) / 1e5
-    assert found == pytest.approx(list(CORNERS[name].values()), abs=1e-6)
+    pressures = np.interp(list(CORNERS[name]), time, trace) / 1e5
+    assert pressures == pytest.approx(list(CORNERS[name].values()), abs=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -66,7 +66,7 @@ def test_disc_temperatures_are_used(driven):
     assert np.array_equal(again["T_disc_f"], hot["T_disc_f"][:n])
 
 
-def test_a_logged_motor_is_no_gap():
+def test_a_logged_motor_torque_is_replayed():
     """A plant of its own brakes with 200 N m at the front wheels; without the channel it slows."""
     plant = replace(REAL, motor=lambda t: (-200.0 * min(t, 1.0), 60.0))
     log = as_log(drive(plant, lambda t: 25e5 * min(max(t - 1.5, 0.0), 1.0), 27.0, stop_speed=3.0))
@@ -93,11 +93,11 @@ def test_without_v_the_radii_of_the_model_count(driven):
 
 def test_first_speed_is_that_of_v(driven):
     assert first_speed(driven, SEDAN) == pytest.approx(30.0, abs=1e-3)
-    found = [first_speed(add_noise(driven, seed), SEDAN) for seed in range(50)]
+    speeds = [first_speed(add_noise(driven, seed), SEDAN) for seed in range(50)]
     # A line through n samples of white noise gives its end with sd 2 sigma/sqrt(n).
     sd = 2.0 * 0.02 / np.sqrt(COAST_SECONDS * 200)
-    assert np.std(found) == pytest.approx(sd, rel=0.5)
-    assert np.mean(found) == pytest.approx(30.0, abs=5.0 * sd / np.sqrt(50))
+    assert np.std(speeds) == pytest.approx(sd, rel=0.5)
+    assert np.mean(speeds) == pytest.approx(30.0, abs=5.0 * sd / np.sqrt(50))
 
 
 def test_a_log_without_speed_is_refused(driven):

@@ -1,4 +1,4 @@
-"""What rollers say of the pads, against forces worked out by hand from T = mu C p."""
+"""The pad ratio from a roller brake tester, against forces worked out by hand from T = mu C p."""
 
 import math
 from dataclasses import replace
@@ -63,8 +63,8 @@ def test_a_valve_that_the_file_declares_is_taken_out():
     rear = AxleOnRollers(PRESSURES, axle("rear", 0.36, pressures=limited).force)
     valve = {"rear_proportioning": {"knee": knee, "knee_slope": slope}}
     car = replace(CAR, effects=Effects(valve))
-    found = bench(axle("front", 0.38), rear).log_pad_ratio(car)
-    assert found.value == pytest.approx(math.log(0.38 / 0.36), abs=1e-9)
+    ratio = bench(axle("front", 0.38), rear).log_pad_ratio(car)
+    assert ratio.value == pytest.approx(math.log(0.38 / 0.36), abs=1e-9)
 
 
 def test_rows_behind_a_valve_that_shuts_are_refused():

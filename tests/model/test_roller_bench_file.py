@@ -29,7 +29,7 @@ def write(tmp_path, *changes):
     return path
 
 
-def test_units_come_to_forces_of_axles(tmp_path):
+def test_a_file_is_read_in_si(tmp_path):
     path = write(tmp_path)
     bench = read_roller_bench(path)
     assert (bench.name, bench.source, bench.tolerance) == ("rollers", str(path), 0.015)
@@ -58,6 +58,6 @@ def test_units_come_to_forces_of_axles(tmp_path):
         ('"1.5 %"', '"150 %"', "tolerance"),
     ],
 )
-def test_slips_are_named(tmp_path, old, new, where):
+def test_wrong_entries_are_named(tmp_path, old, new, where):
     path = write(tmp_path, (old, new))
     assert where in refusal(read_roller_bench, path, kind=BenchError, names=path)

@@ -87,8 +87,8 @@ def test_equation_1_holds_in_every_sample(ramped, w):
     axle = SEDAN.front if w[0] == "f" else SEDAN.rear
     spin = np.diff(ramped[f"omega_{w}"]) / np.diff(ramped.time)
     moment = 0.011 * ramped.truth[f"true_Fz_{w}"] * axle.rolling_radius
-    asked = forces.tyre_force(axle, ramped.truth[f"true_Tb_{w}"][1:], spin, moment[1:])
-    assert asked == pytest.approx(ramped.truth[f"true_Fx_{w}"][1:], abs=1e-3)
+    force = forces.tyre_force(axle, ramped.truth[f"true_Tb_{w}"][1:], spin, moment[1:])
+    assert force == pytest.approx(ramped.truth[f"true_Fx_{w}"][1:], abs=1e-3)
 
 
 def energy_missing(rate):
@@ -143,8 +143,8 @@ def test_follows_the_plant(pressure, rate):
     late = rotating_mass(SEDAN) / SEDAN.mass * np.max(np.abs(run["a_x"])) / rate
     assert apart(log, run, "v") < late
     eta = run["omega_rl"] / run["omega_fl"]
-    off = np.abs(log["omega_rl"] / log["omega_fl"] - eta)
-    assert np.median(off) < 0.05 * np.max(np.abs(np.diff(eta)))
+    error = np.abs(log["omega_rl"] / log["omega_fl"] - eta)
+    assert np.median(error) < 0.05 * np.max(np.abs(np.diff(eta)))
     assert apart(log, run, "true_Tb_rr") < 1e-6
 
 
@@ -174,7 +174,7 @@ def test_ends_before_a_wheel_passes_the_peak_and_says_so():
 
 @settings(max_examples=8)
 @given(st.integers(50, 1500), st.floats(10e5, 80e5), st.floats(5.0, 40.0))
-def test_what_comes_later_does_not_change_what_was(cut, pressure, v0):
+def test_later_pressure_does_not_change_earlier_samples(cut, pressure, v0):
     time = clock(8)
     p = pressure * (1.0 + 0.3 * np.sin(7.0 * time))
     try:
@@ -208,14 +208,14 @@ def test_refuses_what_cannot_be_driven(time, pressure, v0):
         simulate(model(), time, pressure, v0)
 
 
-def test_tyres_that_need_a_way_follow_the_plant():
+def test_tyres_with_a_relaxation_length_follow_the_plant():
     def pedal(t):
         return 10e5 * (1.0 - np.cos(6.0 * t))  # rises by up to 60 bar/s
 
     run = on_the_plant(pedal, v0=20.0, duration=2.0, relaxation=0.4)
-    off, time = {}, clock(2.0)
-    for way in (0.0, 0.4):
-        tyre = MagicFormula(25.0, 0.9, 1.65, relaxation=way)
+    error, time = {}, clock(2.0)
+    for relaxation in (0.0, 0.4):
+        tyre = MagicFormula(25.0, 0.9, 1.65, relaxation=relaxation)
         log = simulate(model({}, tyre=tyre), time, sampled(pedal, time), 20.0)
-        off[way] = max(apart(log, run, f"omega_{w}") for w in ("fl", "rl"))
-    assert off[0.4] < 0.25 * off[0.0]
+        error[relaxation] = max(apart(log, run, f"omega_{w}") for w in ("fl", "rl"))
+    assert error[0.4] < 0.25 * error[0.0]

@@ -80,7 +80,7 @@ def test_a_plant_reaches_what_was_planned(planned, runs):
     [(Want(HalfWidths(total=0.1)), ["ramp_60_3"]), (Want(seconds=30.0), ["ramp_60_3"])],
     ids=["wide enough after the ramp", "no time to weigh"],
 )
-def test_a_plan_ends_where_it_is_enough(monkeypatch, want, steps):
+def test_a_plan_ends_when_it_is_met_or_the_time_is_over(monkeypatch, want, steps):
     monkeypatch.setattr(search, "_CARS", 1)
     monkeypatch.setattr(search, "measures", lambda: (FEW[0], FEW[2]))
     planned = plan(KNOWN, want)

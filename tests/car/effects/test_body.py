@@ -70,31 +70,31 @@ def test_a_car_left_alone_rolls_as_on_an_inclined_plane(grade, felt):
 
 @pytest.mark.parametrize("rate", [40.0, 200.0])
 @pytest.mark.parametrize(("frequency", "damping"), [(6.0, 0.1), (10.0, 0.3), (6.0, 0.7)])
-def test_the_deficit_is_that_of_the_mode_in_continuous_time(frequency, damping, rate):
+def test_the_load_lags_as_the_mode_in_continuous_time(frequency, damping, rate):
     """The truth is h/L (z - z_b), with z_b by SciPy for a z that is linear between samples."""
     time = np.arange(round(5.0 * rate)) / rate
     z = 0.02 + 0.3 * np.clip((time - 1.0) / 0.25, 0.0, 1.0)
     mode = ([frequency**2], [1.0, 2.0 * damping * frequency, frequency**2])
-    moved = z[0] + lsim(mode, z - z[0], time)[1]
-    expected = (z - moved) * SEDAN.cg_height / SEDAN.wheelbase
-    own = {**MODE, "natural_frequency": frequency, "damping": damping}
-    late = PITCH.load_shift(SEDAN, own, made_history(time.size, time=time, z=z))
-    assert np.max(np.abs(late - expected)) < 1e-9
+    z_b = z[0] + lsim(mode, z - z[0], time)[1]
+    expected = (z - z_b) * SEDAN.cg_height / SEDAN.wheelbase
+    parameters = {**MODE, "natural_frequency": frequency, "damping": damping}
+    shift = PITCH.load_shift(SEDAN, parameters, made_history(time.size, time=time, z=z))
+    assert np.max(np.abs(shift - expected)) < 1e-9
     assert np.max(np.abs(expected)) > 0.01
 
 
-def test_at_first_the_front_lacks_all_of_the_transfer_that_springs_carry():
+def test_after_a_step_the_elastic_load_transfer_is_missing():
     history = made_history(3, time=np.array([0.0, 1e-6, 2e-6]), z=np.array([0.0, 0.4, 0.4]))
-    late = PITCH.load_shift(SEDAN, {**MODE, "elastic_share": 0.7}, history)
-    assert late[1:] == pytest.approx(0.7 * 0.4 * SEDAN.cg_height / SEDAN.wheelbase, rel=1e-6)
+    shift = PITCH.load_shift(SEDAN, {**MODE, "elastic_share": 0.7}, history)
+    assert shift[1:] == pytest.approx(0.7 * 0.4 * SEDAN.cg_height / SEDAN.wheelbase, rel=1e-6)
 
 
 @pytest.mark.parametrize("name", SENSORS)
-def test_only_its_own_reading_is_off(name):
-    parameters, own = SENSORS[name]
+def test_an_effect_of_a_sensor_changes_its_reading_alone(name):
+    parameters, changed = SENSORS[name]
     log = driven({name: parameters}, wave)
     for channel in ("a_x", "v", *OMEGA):
-        assert np.array_equal(log[channel], NO_EFFECT[channel]) == (channel not in own)
+        assert np.array_equal(log[channel], NO_EFFECT[channel]) == (channel not in changed)
     assert np.array_equal(log.truth["true_Fz_fl"], NO_EFFECT.truth["true_Fz_fl"])
 
 
@@ -109,8 +109,8 @@ def test_the_scale_is_of_what_is_sensed_and_not_of_the_bias():
 @pytest.mark.parametrize("name", ["speed_delay", "wheel_speed_delay"])
 def test_a_delayed_reading_is_that_of_an_earlier_time(name):
     parameters, channels = SENSORS[name]
-    (late,) = parameters.values()
-    log, n = driven({name: parameters}, wave), round(late * 200)
+    (delay,) = parameters.values()
+    log, n = driven({name: parameters}, wave), round(delay * 200)
     for channel in channels:
         assert log[channel][n:] == pytest.approx(NO_EFFECT[channel][:-n], abs=1e-9)
 
@@ -119,12 +119,12 @@ def test_a_bend_of_one_half_is_the_filter_of_butterworth():
     """A filter of second order with its corner at 3 Hz equals SciPy's analogue filter."""
     step = lambda t: 25e5 * (t > 1.0)  # noqa: E731
     corner = 2.0 * np.pi * 3.0
-    filtered = {"filter_time": np.sqrt(2.0) / corner, "filter_bend": 0.5}
-    late = driven({"accelerometer_lag": filtered}, step)
+    parameters = {"filter_time": np.sqrt(2.0) / corner, "filter_bend": 0.5}
+    filtered = driven({"accelerometer_lag": parameters}, step)
     exact = driven({}, step)
     start = exact["a_x"][0]
     _, expected, _ = lsim(butter(2, corner, analog=True), exact["a_x"] - start, exact.time)
-    assert late["a_x"] == pytest.approx(start + expected, abs=0.01)
+    assert filtered["a_x"] == pytest.approx(start + expected, abs=0.01)
 
 
 def test_a_runout_is_the_ripple_of_an_eccentric_ring():

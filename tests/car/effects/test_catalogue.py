@@ -53,24 +53,24 @@ def test_the_names_are_those_of_the_contract():
 
 @pytest.mark.parametrize("name", CATALOGUE)
 @given(data=st.data())
-def test_at_nothing_no_link_of_the_chain_is_changed(name, data):
+def test_at_neutral_strength_an_effect_changes_nothing(name, data):
     """At neutral strength, an effect does nothing for any value of its other parameters."""
     effect, history = CATALOGUE[name], made_history()
-    own = {p.name: data.draw(st.floats(p.low, p.high)) for p in effect.card.parameters}
-    own[effect.card.parameters[0].name] = effect.card.neutral
-    effects, motion = Effects({name: own}), made_motion(history.v)
+    parameters = {p.name: data.draw(st.floats(p.low, p.high)) for p in effect.card.parameters}
+    parameters[effect.card.parameters[0].name] = effect.card.neutral
+    effects, motion = Effects({name: parameters}), made_motion(history.v)
     line = line_pressure(effects, history)
     for p in (*line, *caliper_pressure(effects, history, *line)):
         assert np.array_equal(p, history.p_mc)
     uneven = wheel_factors(effects, history) | wheel_speed_factors(SEDAN, effects, motion)
     for factor in (*pad_factors(effects, history, history.p_mc, history.p_mc), *uneven.values()):
         assert np.array_equal(factor, np.ones(200))
-    for nothing in (
+    for total in (
         *total_axle_moment(SEDAN, effects, motion),
         total_body_force(SEDAN, effects, motion),
         total_load_shift(SEDAN, effects, history),
     ):
-        assert np.array_equal(nothing, np.zeros(200))
+        assert np.array_equal(total, np.zeros(200))
     assert np.array_equal(as_read(SEDAN, effects, history, history.z), history.z)
     assert as_driven(SEDAN, effects) == SEDAN
     delays = [reading_delay(effects, f"{link}speed_delay") for link in ("", "wheel_")]
@@ -92,7 +92,7 @@ def test_a_small_change_of_a_parameter_is_a_small_change_of_the_run(name, p):
         log = driven({name: changed}, restless, duration=3.0, temperature=hot)
         return np.concatenate([log["a_x"], log["v"], log["omega_fl"], log["omega_rl"]])
 
-    middle = run(p.typical - 2.0 * h)
-    whole, half = run(p.typical) - middle, run(p.typical - h) - middle
-    assert np.linalg.norm(whole) > 1e-6
-    assert np.linalg.norm(whole - 2.0 * half) <= 0.1 * np.linalg.norm(whole)
+    start = run(p.typical - 2.0 * h)
+    change, half_change = run(p.typical) - start, run(p.typical - h) - start
+    assert np.linalg.norm(change) > 1e-6
+    assert np.linalg.norm(change - 2.0 * half_change) <= 0.1 * np.linalg.norm(change)

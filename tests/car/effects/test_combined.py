@@ -33,7 +33,7 @@ def test_totals_are_the_sums_worked_out_here(area, c_rr, share):
     assert rear == pytest.approx(np.full(3, (c_rr * 7e3 + term_force) * 0.322))
 
 
-def test_what_both_have_is_taken_from_the_other_with_its_sigma_and_its_terms():
+def test_joined_effects_have_parameters_sigma_and_terms_of_the_other():
     both_effects = Effects(DRAG | ROLLING, (FADE,), SIGMA)
     larger_drag = Effects({"aerodynamic_drag": {"drag_area": 0.8}})
     assert both_effects.with_(larger_drag) == Effects(

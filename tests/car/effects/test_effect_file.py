@@ -56,7 +56,7 @@ def test_what_a_file_prints_is_not_on_stdout(tmp_path, capsys):
         ("return 1.0 + 0.0 * motion.v, 0.0 * motion.v", "neutral"),
     ],
 )
-def test_a_function_that_goes_wrong_is_told_with_its_line(tmp_path, body, words):
+def test_a_wrong_hook_is_refused_with_its_line(tmp_path, body, words):
     text = retarder(body)
     message = refusal(tmp_path, text)
     raised = words in ("KeyError", "read-only")
@@ -88,7 +88,7 @@ def test_a_wrong_file_is_one_error_with_file_and_line(tmp_path, old, new, words)
     assert message.startswith("mine.py")
 
 
-def test_a_hook_that_goes_wrong_later_says_so_too(tmp_path):
+def test_a_hook_that_fails_after_the_trial_is_an_error_with_its_line(tmp_path):
     """The hook fails only at speeds that the trial run does not reach."""
     text = retarder(f"assert motion.v.max() < 50.0; {MOMENT}")
     path = tmp_path / "mine.py"

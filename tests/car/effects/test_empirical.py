@@ -41,7 +41,7 @@ def test_drivers(driver, expected):
     assert values == pytest.approx(expected)
 
 
-def test_it_is_straight_between_knots_and_constant_beyond_them():
+def test_a_term_is_linear_between_knots_and_constant_beyond():
     term = EmpiricalTerm("body", "speed", (10.0, 20.0), (0.1, 0.3))
     history = made_history(4, v=np.array([5.0, 10.0, 15.0, 40.0]))
     force = total_body_force(

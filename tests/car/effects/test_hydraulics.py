@@ -15,7 +15,7 @@ STUCK = {"residual_pressure": 2e5, "drain_time": 5.0}
 
 
 @given(st.floats(0.0, 10e5), st.floats(0.0, 150e5))
-def test_what_is_above_the_threshold(threshold, p):
+def test_a_threshold_is_taken_off_the_pressure(threshold, p):
     history = made_history(1, p_mc=np.array([p]))
     for pressure_pair in pressures("brake_threshold_pressure", history, threshold=threshold):
         assert pressure_pair == pytest.approx([max(p - threshold, 0.0)], abs=1e-6)
@@ -44,7 +44,7 @@ def test_an_axle_has_its_share_of_the_threshold(share, front, rear):
 
 
 @given(PRESSURES, WIDTH, st.floats(0.0, 5e5))
-def test_the_play_is_its_recursion_and_leaves_its_input_alone(p, relative, half):
+def test_hysteresis_is_its_recursion_and_does_not_change_its_input(p, relative, half):
     copy = p.copy()
     loading = [now - min(max(now, 0.0), half) for now in p]
     c = [loading[0]]
@@ -55,7 +55,7 @@ def test_the_play_is_its_recursion_and_leaves_its_input_alone(p, relative, half)
 
 
 @pytest.mark.parametrize("share", [0.0, 0.4, 1.0])
-def test_the_width_is_told_at_20_bar(share):
+def test_the_width_of_the_loop_holds_at_20_bar(share):
     """The full width is a share of the line of release, or of 20 bar where it is fixed."""
     p = np.concatenate([np.linspace(0.0, 80e5, 801), np.linspace(80e5, 0.0, 801)])
     history = made_history(p.size, p_mc=p)
@@ -65,7 +65,7 @@ def test_the_width_is_told_at_20_bar(share):
 
 
 @given(PRESSURES, st.floats(1e3, 20e5), st.floats(1.0, 60.0))
-def test_what_stays_of_an_application_sample_by_sample(p, limit, drain):
+def test_the_residual_pressure_is_its_recursion(p, limit, drain):
     time = 5.0 + 0.3 * np.arange(p.size)
     residual, expected = 0.0, []
     for now in p:
@@ -78,7 +78,7 @@ def test_what_stays_of_an_application_sample_by_sample(p, limit, drain):
 @pytest.mark.parametrize(
     ("bias", "residual_bar"), [(0.0, (2.0, 2.0)), (1.0, (0.0, 2.0)), (-0.5, (2.0, 1.0))]
 )
-def test_an_axle_may_have_it_alone(bias, residual_bar):
+def test_one_axle_alone_may_keep_residual_pressure(bias, residual_bar):
     history = made_history(p_mc=np.where(np.arange(200) < 100, 20e5, 0.0))
     pressure_pair = pressures("residual_torque", history, **STUCK, rear_bias=bias)
     for pressure, bar in zip(pressure_pair, residual_bar, strict=True):

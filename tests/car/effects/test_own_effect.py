@@ -52,7 +52,7 @@ def test_a_model_without_the_file_is_refused_and_names_file_and_option(model_fil
         assert part in str(caught.value)
 
 
-def test_a_model_whose_file_has_changed_is_refused_unless_it_says_any(model_file, tmp_path):
+def test_a_changed_effect_file_is_refused_unless_the_model_has_no_digest(model_file, tmp_path):
     changed = tmp_path / "air_brake_flap.py"
     changed.write_text(EXAMPLE.read_text() + "\n# more\n")
     car = with_own(SEDAN, read_own_effects([changed]))

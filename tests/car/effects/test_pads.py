@@ -27,7 +27,7 @@ def test_the_simulation_heats_its_own_discs_where_none_is_given():
 
 
 @given(st.floats(-1e-7, 1e-7), st.floats(0.0, 4e-6))
-def test_a_bend_keeps_one_at_20_bar_and_the_mean_slope_to_40_bar(slope, bend):
+def test_a_bend_changes_neither_the_factor_at_20_bar_nor_the_mean_slope(slope, bend):
     given_by = {"pressure_slope": slope, "pressure_bend": bend}
     p = np.array([0.0, 20e5, 40e5])
     factor, _ = PRESSURE.friction(given_by, made_history(3), p, p)
@@ -36,7 +36,7 @@ def test_a_bend_keeps_one_at_20_bar_and_the_mean_slope_to_40_bar(slope, bend):
 
 
 @given(st.floats(0.0, 0.95), st.floats(1e3, 1e6), st.floats(0.2, 2.0), st.floats(0.0, 1e6))
-def test_wet_pads_dry_each_by_its_own_heat(loss, dry, share, energy):
+def test_each_brake_dries_by_its_own_heat(loss, dry, share, energy):
     heat = np.array([0.0, energy])
     history = made_history(2, energy_f=heat, energy_r=0.5 * heat)
     wet = {"wet_loss": loss, "dry_energy": dry, "dry_rear_share": share}

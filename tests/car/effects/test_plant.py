@@ -92,7 +92,7 @@ CASES = {
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_it_follows_the_plant(name):
+def test_the_simulation_follows_the_plant(name):
     parameters, pedal, plant_pressure, plant, agree, (changed, least_change) = CASES[name]
     heat = {"temperature": HEAT} if name == "pad_thermal_fade" else {}
     log, run = driven({name: parameters}, pedal, **heat), on_the_plant(plant_pressure, **plant)

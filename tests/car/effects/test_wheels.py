@@ -63,12 +63,12 @@ def motor_at(p_mc, time=None, **more):
         ({"regen_span": 6e5}, [1.4, 4.5, 7.5, 9.0], [0.0, 0.5, 1.0, 1.0]),
     ],
 )
-def test_a_motor_sets_in_over_its_span(span, bar, share):
+def test_the_torque_of_a_motor_rises_over_its_span(span, bar, share):
     """It begins at 1.5 bar; without a span it is complete at a pressure 40 % higher."""
     assert motor_at(np.array(bar) * 1e5, **span) == pytest.approx(225.0 * np.array(share))
 
 
-def test_a_motor_that_lags():
+def test_a_motor_follows_the_pedal_with_its_time_constant():
     """After a step at 0.2 s it has 63 % one time constant later, and falls likewise."""
     time = np.arange(600) * 0.001
     front = motor_at(np.where((time >= 0.2) & (time < 0.4), 9e5, 0.0), time, regen_lag=0.03)
