@@ -38,7 +38,7 @@ class ForceBalance:
     """Forces of a run [N], shapes (n,); all but the loads are positive when they slow the car.
 
     The drag of an axle is the sum of the other moments on its wheels over the rolling radius. The
-    inertia of slowing wheels drives the car on, so it makes the drag smaller.
+    inertia of slowing wheels drives the car on, so this inertia makes the drag smaller.
     """
 
     load_f: Array  # axle loads (6), (7), with the known effects on them

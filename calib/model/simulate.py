@@ -34,9 +34,9 @@ A step of 0.025 s puts it off by 0.0024 m/s, which a noise-free log shows
 (tests/model/test_replay.py)."""
 
 _FIRST_SECONDS, COAST_SECONDS = 0.25, 1.5
-"""Shortest and longest time over which the first speed is fitted by a line [s]. Over the shortest
-one a beginning braking changes v by less than 0.01 m/s, and 0.02 m/s of noise becomes 0.006 m/s;
-over the longest one drag bends v by 0.001 m/s."""
+"""Shortest and longest time over which the first speed is fitted by a line [s]. Within 0.25 s a
+beginning braking changes v by less than 0.01 m/s, and 0.02 m/s of noise becomes 0.006 m/s; within
+1.5 s drag bends v by 0.001 m/s."""
 
 
 def simulate(
@@ -164,7 +164,8 @@ def first_speed(log: Log, vehicle: Vehicle, delay: float = 0.0) -> float:
     braked = np.flatnonzero(log["p_mc"] > BITE) if "p_mc" in log else np.array([0])
     unbraked = float(elapsed[braked[0]]) - SETTLE if braked.size else np.inf  # [s]
     is_first = elapsed <= min(max(unbraked, _FIRST_SECONDS), COAST_SECONDS)
-    t, speed = elapsed[is_first], (log["v"] if "v" in log else _rim_speed(log, vehicle))[is_first]
+    measured = log["v"] if "v" in log else _rim_speed(log, vehicle)
+    t, speed = elapsed[is_first], measured[is_first]
     is_finite = np.isfinite(speed)
     if np.count_nonzero(is_finite[t <= _FIRST_SECONDS]) < 2:
         flaw = f"no speed in the first {_FIRST_SECONDS:g} s"
