@@ -53,19 +53,21 @@ class Fits:
             self.fitted[key] = fit
             self.densities.pop(key, None)
 
-    def best_of(self, tops: Sequence[Promise], near: Fit, least: float = -np.inf) -> list[Fit]:
-        """Fit the promises ``tops``, from the columns of ``near``; best first.
+    def best_of(self, chosen: Sequence[Promise], near: Fit, least: float = -np.inf) -> list[Fit]:
+        """Fit the ``chosen`` promises, from the columns of ``near``; best first.
 
         Fits that may be the best are pruned. A fit ends if ln of its evidence is below ``least``.
         """
-        unknown = [p for p in tops if not self.is_known(p.hypothesis, p.log_evidence)]
+        unknown = [p for p in chosen if not self.is_known(p.hypothesis, p.log_evidence)]
         if unknown:
             names = ", ".join(" + ".join(p.hypothesis.names) for p in unknown).replace("_", " ")
             self.problem.tell(f"fitting {names}", 0, 1)
         job = partial(_fitted, self.problem.for_worker, near.columns, near.has_unusual_base, least)
         for fit in self.problem.mapped(job, unknown):
             self.add(replace(fit, problem=self.problem))
-        fits = sorted((self.fitted[p.hypothesis.key] for p in tops), key=lambda f: -f.log_evidence)
+        fits = sorted(
+            (self.fitted[p.hypothesis.key] for p in chosen), key=lambda f: -f.log_evidence
+        )
         to_prune = max((fit.log_evidence for fit in fits), default=0.0) - _PRUNING_GAIN
         return [self.pruned(fit) if fit.log_evidence > to_prune else fit for fit in fits]
 

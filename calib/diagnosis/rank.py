@@ -78,13 +78,13 @@ def _trials_of(fit: Fit, name: str) -> list[Trial]:
 
 
 def promises(
-    fit: Fit, further: Iterable[Trial], most: int = 3, more_groups: bool = False
+    fit: Fit, candidates: Iterable[Trial], most: int = 3, more_groups: bool = False
 ) -> list[Promise]:
-    """Rank ``fit`` with up to ``most`` of the trials ``further``; best first.
+    """Rank ``fit`` with up to ``most`` of the ``candidates``; best first.
 
     With ``more_groups`` logs may differ in further groups, too.
     """
-    tried = [trial for trial in further if trial.name not in fit.names]
+    tried = [trial for trial in candidates if trial.name not in fit.names]
     by_log = zip(*(trial.changes for trial in tried), strict=True)
     products = fit.products_with([np.stack(of_log) for of_log in by_log])
     promised = [

@@ -164,15 +164,15 @@ class Search:
         Up to three promises in the present groups are fitted, and one in more groups, unless they
         lie behind the best promise by more than the linear model can be wrong.
         """
-        best, tops = self.best, []
+        best, chosen = self.best, []
         promised = promises(best, self.best_trials, 1, more_groups)
         in_groups = [p for p in promised if p.hypothesis.groups == best.hypothesis.groups]
         in_more_groups = [p for p in promised if p.hypothesis.groups > best.hypothesis.groups]
         for candidates, count in ((in_groups, 3), (in_more_groups, 1)):
             largest = max((p.log_evidence - best.log_evidence for p in candidates), default=0.0)
             least = best.log_evidence + max(5.0, (1.0 - _LINEAR_ERROR) * largest - 5.0)
-            tops += [p for p in candidates if p.log_evidence > least][:count]
-        return self.fits.best_of(tops, best, best.log_evidence - 2.0 * DECISIVE)
+            chosen += [p for p in candidates if p.log_evidence > least][:count]
+        return self.fits.best_of(chosen, best, best.log_evidence - 2.0 * DECISIVE)
 
     def more_probable(self, fits: Iterable[Fit]) -> Iterator[Fit]:
         """Yield those of the best three fits that are surely more probable, best first.
@@ -223,8 +223,8 @@ class Search:
                 and not (part and part <= p.hypothesis.parts)
                 and p.log_evidence > best.log_evidence + DECISIVE
             ]
-            tops = [*single[:2], *pairs[:1]]
-            fits += self.fits.best_of(tops, fit, best.log_evidence - 2.0 * DECISIVE)
+            chosen = [*single[:2], *pairs[:1]]
+            fits += self.fits.best_of(chosen, fit, best.log_evidence - 2.0 * DECISIVE)
         return fits
 
     @cached_property
