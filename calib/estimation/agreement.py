@@ -19,7 +19,7 @@ from calib.estimation.estimator import Estimate
 from calib.estimation.validate import Validation
 
 _PADS = ("pad_friction_f", "pad_friction_r", "pad_level")
-_OTHER_ROAD = 2.5  # difference of stiffness that means two roads [sigma]; 1 of 80 pairs of one road
+_OTHER_ROAD = 2.5  # difference of stiffness that means two roads [sigma]: 1 of 80 pairs of one road
 _OTHER_PADS = 0.15  # difference of ln of the level [1] that means other pads, as `level_changed`
 
 
@@ -53,15 +53,12 @@ class _Agreement:
 
 
 def agreement(results: Iterable[Validation]) -> _Agreement | None:
-    """Return the agreement of stops, None where no two with an answer share road and pads.
-
-    The softest stop without a road begins a road, to which all stops like this one belong.
-    """
+    """Return the agreement of stops, None where no two with an answer share road and pads."""
     answered = [r for r in results if r.figures["pad_level"] is not None]
     rows = [[*(r.figures[key] for key in _PADS), *stiffness(r.estimate)] for r in answered]
     stops = np.array(rows, dtype=float).reshape(-1, 5)  # `_PADS`, ln of stiffness, its sigma
     ungrouped, roads = np.argsort(stops[:, 3], kind="stable"), []
-    while ungrouped.size:
+    while ungrouped.size:  # the softest stop without a road begins a road
         _, _, level, log_stiffness, sigma = stops[ungrouped].T
         is_like = log_stiffness - log_stiffness[0] <= _OTHER_ROAD * np.hypot(sigma, sigma[0])
         is_like &= np.abs(np.log(level / level[0])) < _OTHER_PADS

@@ -85,15 +85,13 @@ def gain(axle: Axle) -> float:
 
 
 def gradient(y: Array, u: Array, gamma: float, dt: float) -> Array:
-    """Return theta_hat (n,) by (25), from 0, or NaN where (25) is unstable in steps of dt.
-
-    theta[k+1] = (1 - gamma u^2 dt) theta[k] + gamma dt u y is a lower bidiagonal system.
-    """
+    """Return theta_hat (n,) by (25), from 0, or NaN where (25) is unstable in steps of dt."""
     from scipy.linalg import solve_banded
 
     step = gamma * dt * u
     if np.max(step * u, initial=0.0) >= 2.0:
         return np.full_like(y, np.nan)
+    # theta[k+1] = (1 - gamma u^2 dt) theta[k] + gamma dt u y is a lower bidiagonal system
     band = np.stack([np.ones_like(u), np.append((step * u)[1:], 2.0) - 1.0])
     return np.asarray(solve_banded((1, 0), band, step * y))  # (25)
 

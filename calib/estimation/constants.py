@@ -6,7 +6,8 @@ that a block adds to a state.
 """
 
 import math
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass, field, fields
 from functools import lru_cache
 from typing import Any
 
@@ -29,6 +30,11 @@ SLIP = ("log_slip", "log_slip_sigma")
 _ROADS = STOP.log_stiffness
 # root mean square of ln of the tyres' stiffness over the kinds of road
 _ROAD_SIGMA = math.sqrt(np.average(np.hypot(_ROADS.mean, _ROADS.sigma) ** 2, weights=_ROADS.share))
+
+
+def _follows(formula: Callable[["Constants"], float]) -> Any:
+    """Return a field whose value follows from the other fields by a formula."""
+    return field(init=False, metadata={"formula": formula})
 
 
 @dataclass(frozen=True)
@@ -117,76 +123,50 @@ class Constants:
     refusals: float = 10.0  # implausible zeros in a row, after which no zero is known
 
     # Values that follow from those above.
-    keep: float = field(init=False)  # share of the means for the map that a block keeps [1]
-    var_level: float = field(init=False)  # from here to var_scale: variances before any braking
-    var_rate: float = field(init=False)
-    var_lag: float = field(init=False)
-    var_log_slip: float = field(init=False)
-    var_zero: float = field(init=False)
-    var_offset: float = field(init=False)
-    var_scale: float = field(init=False)
-    var_z: float = field(init=False)  # of the mean of a block, by noise
-    var_rim: float = field(init=False)
-    var_zero_z: float = field(init=False)
-    var_v: float = field(init=False)  # that a block adds to the speed by the noise of a_x
-    var_apart: float = field(init=False)  # the same by clocks apart, per square of a change of z
-    walk_level: float = field(init=False)
-    walk_rate: float = field(init=False)
-    walk_slip: float = field(init=False)
-    walk_grade: float = field(init=False)
-    walk_bias: float = field(init=False)
-    walk_radius: float = field(init=False)
-    share_chatter: float = field(init=False)  # shares of a block in means that forget [1]
-    share_level: float = field(init=False)
-    share_drive: float = field(init=False)
-    walk_held: float = field(init=False)  # variance that a second adds to a held ratio [1/s]
-    applied: float = field(init=False)  # `settle` and `over`, half a block off [s]
-    released: float = field(init=False)
-    most_share: float = field(init=False)  # a larger share of the pressure counts as this [1]
-    trusted_scale: float = field(init=False)  # square of a departure of the scale without doubt
-    most_offset: float = field(init=False)  # largest plausible departures
-    most_scale: float = field(init=False)
-    most_log_slip: float = field(init=False)
-    speed: float = field(init=False)  # speed that a car loses in a block at 1 g [m/s]
+    keep: float = _follows(lambda c: math.exp(-c.block / c.memory))  # share of old means [1]
+
+    # variances before any braking
+    var_level: float = _follows(lambda c: c.level_sigma**2)
+    var_rate: float = _follows(lambda c: c.fade**2)
+    var_lag: float = _follows(lambda c: c.lag_sigma**2)
+    var_log_slip: float = _follows(lambda c: c.log_slip_sigma**2)
+    var_zero: float = _follows(lambda c: c.zero**2)
+    var_offset: float = _follows(lambda c: c.offset**2)
+    var_scale: float = _follows(lambda c: c.scale_sigma**2)
+    # variances of the mean of a block by noise, and that of the speed in a block
+    var_z: float = _follows(lambda c: c.noise_z**2 / c.block)
+    var_rim: float = _follows(lambda c: c.noise_rim**2 / c.block)
+    var_zero_z: float = _follows(lambda c: (c.noise_z**2 + 1e-8) / c.block)
+    var_v: float = _follows(lambda c: (G * c.noise_z) ** 2 * c.block)  # by the noise of a_x
+    var_apart: float = _follows(lambda c: (G * c.apart) ** 2)  # by clocks, over a change of z^2
+    walk_level: float = _follows(lambda c: c.q_level**2 * c.block)
+    walk_rate: float = _follows(lambda c: c.q_rate**2 * c.block)
+    walk_slip: float = _follows(lambda c: c.q_slip**2 * c.block)
+    walk_grade: float = _follows(lambda c: c.q_grade**2 * c.block)
+    walk_bias: float = _follows(lambda c: c.q_bias**2 * c.block)
+    walk_radius: float = _follows(lambda c: c.q_radius**2 * c.block)
+    # shares of a block in means that forget [1]
+    share_chatter: float = _follows(lambda c: c.block / c.chatter_memory)
+    share_level: float = _follows(lambda c: c.block / c.usual_level)
+    share_drive: float = _follows(lambda c: min(c.block / c.drive_memory, 1.0))
+    walk_held: float = _follows(lambda c: c.ageing**2)  # of a held ratio, in a second [1/s]
+
+    # times are sums of blocks: with half a block off, no rounding decides a comparison [s]
+    applied: float = _follows(lambda c: c.settle - 0.5 * c.block)
+    released: float = _follows(lambda c: c.over + 0.5 * c.block)
+    most_share: float = _follows(lambda c: 1.0 / c.least_share)  # of the pressure that acts [1]
+
+    # square of a departure of the scale without doubt, and the largest plausible departures
+    trusted_scale: float = _follows(lambda c: (c.trusted * c.scale_sigma) ** 2)
+    most_offset: float = _follows(lambda c: c.far * c.offset)
+    most_scale: float = _follows(lambda c: c.far_scale * c.scale_sigma)
+    most_log_slip: float = _follows(lambda c: c.log_slip + c.far_slip * c.log_slip_sigma)
+    speed: float = _follows(lambda c: G * c.block)  # that a car loses in a block at 1 g [m/s]
 
     def __post_init__(self) -> None:
-        dt = self.block
-        values = {
-            "keep": math.exp(-dt / self.memory),
-            "var_level": self.level_sigma**2,
-            "var_rate": self.fade**2,
-            "var_lag": self.lag_sigma**2,
-            "var_log_slip": self.log_slip_sigma**2,
-            "var_zero": self.zero**2,
-            "var_offset": self.offset**2,
-            "var_scale": self.scale_sigma**2,
-            "var_z": self.noise_z**2 / dt,
-            "var_rim": self.noise_rim**2 / dt,
-            "var_zero_z": (self.noise_z**2 + 1e-8) / dt,
-            "var_v": (G * self.noise_z) ** 2 * dt,
-            "var_apart": (G * self.apart) ** 2,
-            "walk_level": self.q_level**2 * dt,
-            "walk_rate": self.q_rate**2 * dt,
-            "walk_slip": self.q_slip**2 * dt,
-            "walk_grade": self.q_grade**2 * dt,
-            "walk_bias": self.q_bias**2 * dt,
-            "walk_radius": self.q_radius**2 * dt,
-            "share_chatter": dt / self.chatter_memory,
-            "share_level": dt / self.usual_level,
-            "share_drive": min(dt / self.drive_memory, 1.0),
-            "walk_held": self.ageing**2,
-            # times are sums of blocks: half a block off, no rounding decides a comparison
-            "applied": self.settle - 0.5 * dt,
-            "released": self.over + 0.5 * dt,
-            "most_share": 1.0 / self.least_share,
-            "trusted_scale": (self.trusted * self.scale_sigma) ** 2,
-            "most_offset": self.far * self.offset,
-            "most_scale": self.far_scale * self.scale_sigma,
-            "most_log_slip": self.log_slip + self.far_slip * self.log_slip_sigma,
-            "speed": G * dt,
-        }
-        for name, value in values.items():
-            object.__setattr__(self, name, value)
+        for x in fields(self):
+            if not x.init:
+                object.__setattr__(self, x.name, x.metadata["formula"](self))
 
 
 def constants(table: Table, noise: SensorNoise, block: float) -> Constants:

@@ -9,7 +9,9 @@ d is the brake force that the deceleration demands, u that of the nominal pads b
 order, both over the weight. d_0, the zero of d, is d while nothing brakes: rolling resistance, bias
 of a_x, pitch at rest. y = d - d_0 is the brake force of a block. Without v only the wheels measure
 the speed: a difference from a_x that remains at low speed is then an error of a_x, not slip.
-(S1) to (S16) are on `calib/manual/step.md`.
+
+In this order: zeros, resets, brakes, speed, checks; `step_filters` runs them on a block. At the end
+is what reads the state for the maps. (S1) to (S16) are on `calib/manual/step.md`.
 """
 
 import math
@@ -95,12 +97,10 @@ def take_zeros(c: Constants, s: State, demand: float, eta_less_1: float, rim: fl
 
 
 def rolls(c: Constants, s: State, x: Sample[float], *, counts: bool) -> bool:
-    """Return whether the car rolls without brake, so that a block may show the zeros.
-
-    A deceleration beyond ``steady`` that neither brake nor known motor explains is a refused zero.
-    """
+    """Return whether the car rolls without brake, so that a block may show the zeros."""
     unbraked = counts and x.pressure < c.untouched
     steady = abs(x.z) < c.steady
+    # a deceleration that neither brake nor known motor explains is a refused zero
     if unbraked and not steady and x.demand > c.most_zero:
         s.check.refused += 1.0
     return unbraked and steady
@@ -125,9 +125,9 @@ def reset_stop(c: Constants, s: State) -> None:
     s.means.eta_by_drive = 0.0
     s.braked, s.mean_z = 0.0, 0.0
     e: Check = s.check
-    off = s.speed.scale - c.scale
-    if abs(off) > c.far * c.scale_sigma:  # a fault left a wrong scale: learn the scale anew
-        s.speed.var_scale = max(s.speed.var_scale, off**2)
+    departure = s.speed.scale - c.scale
+    if abs(departure) > c.far * c.scale_sigma:  # by a fault: learn the scale anew
+        s.speed.var_scale = max(s.speed.var_scale, departure**2)
     e.level, e.chatter, e.ratio = 1.0, 0.0, 0.0
 
 
@@ -258,13 +258,10 @@ def reset_speed(c: Constants, s: State) -> None:
 
 
 def motor_fits(c: Constants, s: State, x: Sample[float], *, counts: bool) -> bool:
-    """Return whether a change of a motor's torque shows in the deceleration.
-
-    If it does not, the demand changes by as much as the torque, and no brake explains the change.
-    """
+    """Return whether a change of a motor's torque shows in the deceleration."""
     e: Check = s.check
     step, y = x.drive - e.drive, x.demand - s.demand.value
-    # log likelihood ratio, times the variance, of a residual ``step`` over a residual of 0
+    # log likelihood ratio, times the variance, of a step in the demand alone over no step in it
     likely = step * (y - s.level.level * s.acting - 0.5 * step)
     spread = force_variance(c, s, x, y) + s.demand.variance
     fits = not counts or abs(step) < c.unexplained or likely < c.errs * spread
@@ -276,16 +273,13 @@ def motor_fits(c: Constants, s: State, x: Sample[float], *, counts: bool) -> boo
 
 
 def check_a_x(c: Constants, s: State) -> None:
-    """Decide by the wheels whether an unexplained brake force is an error of a_x.
-
-    The decision that a_x errs stands until the brakes explain the force again.
-    """
+    """Decide by the wheels whether an unexplained brake force is an error of a_x."""
     e: Check = s.check
     if e.error == 0.0:
         e.ratio -= c.share_level * e.ratio
     if e.ratio > c.errs:
         s.errs = True
-    elif e.error == 0.0:
+    elif e.error == 0.0:  # the brakes explain the force again
         s.errs = False
     e.ratio = min(e.ratio, c.errs)
     if e.ratio <= 0.0:  # start anew
@@ -324,10 +318,7 @@ def check_states(c: Constants, s: State, y: float, *, braking: bool, counts: boo
 def predict(
     c: Constants, s: State, x: Sample[float], y: float, bends: float, *, braking: bool
 ) -> None:
-    """Predict the speed by a_x, (S7); ``bends`` is the change of the mean deceleration [1].
-
-    Where the earlier level does not explain the brake force ``y``, the pads changed or a_x errs.
-    """
+    """Predict the speed by a_x, (S7); ``bends`` is the change of the mean deceleration [1]."""
     f: SpeedFilter = s.speed
     rims = rim_speed(s, x)
     if not s.anchored:  # else a new zero of eta would look like a jump of speed
@@ -335,14 +326,14 @@ def predict(
         s.rim = rims
         if braking or s.eta_less_1.variance < 0.5 * c.var_zero:
             s.anchored = True
-    lost = c.speed * (0.5 * (x.z + s.z) - f.offset)
-    by_offset, by_scale = c.speed, 0.0
+    lost = c.speed * (0.5 * (x.z + s.z) - f.offset)  # by the block, but for the scale [m/s]
+    by_offset, by_scale = c.speed, 0.0  # derivatives of the speed
     f.v += s.rim - rims - lost
     if braking:
         by_offset, by_scale = c.speed * (1.0 - f.scale), lost
         f.v += lost * f.scale
     e: Check = s.check
-    errs = y - e.level * s.acting
+    errs = y - e.level * s.acting  # the pads changed, or a_x errs
     errs = errs if abs(errs) > c.unexplained else 0.0
     e.v += by_offset * e.offset + by_scale * e.scale - 0.5 * by_offset * (errs + e.error)
     e.error = errs
@@ -456,10 +447,7 @@ def slip_evidence(
 
 
 def eta_error(c: Constants, s: BlockState[Array], z: Array) -> Array:
-    """Return the standard deviation of the mean of eta - 1 (k,).
-
-    Its causes are noise of the wheels, the zero, z that changes within the mean, and the road.
-    """
+    """Return the standard deviation of the mean of eta - 1 (k,), by wheels, zero, z and road."""
     speed = np.maximum(s.speed, 1.0)
     wheels = c.var_rim / (np.maximum(s.blocks, 1.0) * speed * speed)
     # While z changes, late axle loads change the slips, and the means leave the curve eta(z).
@@ -474,10 +462,7 @@ def eta_error(c: Constants, s: BlockState[Array], z: Array) -> Array:
 def reason_of(
     c: Constants, x: Sample[Array], s: BlockState[Array], level: Array, of_map: Mask
 ) -> Array:
-    """Return the `Reason` of blocks (k,): the last line that applies.
-
-    ``level`` is that of the pads [1]; ``of_map`` is whether a map has the (eta - 1)/z.
-    """
+    """Return the `Reason` of blocks (k,) by the pads' ``level`` [1]: the last line that applies."""
     why = np.where(of_map, Reason.VALID, Reason.BEYOND_MAP)
     why = np.where((level <= c.least_level) | (level >= c.most_level), Reason.NO_PAD, why)
     why = np.where(s.checks > 0.0, Reason.IMPLAUSIBLE, why)

@@ -26,7 +26,7 @@ from calib.estimation.readout import UNITS, Readout, read_out
 from calib.estimation.reasons import Reason, disturbances
 from calib.logs.log import Log
 from calib.run.axle_signals import Signals, eta_of
-from calib.run.blocks import Blocks, samples_of_block
+from calib.run.blocks import samples_of_block
 from calib.run.brake_response import BrakeBalance, brake_balance
 from calib.run.filters import low_pass
 from calib.run.known_effects import CorrectedRun
@@ -47,11 +47,7 @@ COLUMNS = {
     **{f"ecu_{name}": unit for name, unit in UNITS.items()},
     "ecu_reason": "1",
 }
-"""Columns of an estimate as a table and as a file, in their order, with their units.
-
-Those with ``ecu_`` are answers without a measured speed v; ``ecu_reason`` is a
-`calib.estimation.reasons.Reason`.
-"""
+"""Columns of an estimate in their order, with their units; ``ecu_`` marks answers without v."""
 
 
 @dataclass(frozen=True)
@@ -70,17 +66,7 @@ class Estimate(Viewable):
     unfit: tuple[str, ...] = ()  # reasons why no sample counts
 
     def __repr__(self) -> str:
-        text = f"Estimate: {self.time.size} samples, {np.count_nonzero(self.valid)} valid"
-        if self.valid.any():
-            i = int(np.flatnonzero(self.valid)[-1])
-            for axle, x in (("front", self.best.pads_f), ("rear", self.best.pads_r)):
-                text += f"; {axle} pads {x.value[i]:.3f} ({x.lower[i]:.3f} to {x.upper[i]:.3f})"
-        return text
-
-    @property
-    def blocks(self) -> Blocks:
-        """Means of the signals over 50 ms, filled gaps included."""
-        return self.run.blocks
+        return f"Estimate: {self.time.size} samples, {np.count_nonzero(self.valid)} valid"
 
     @property
     def time(self) -> Array:
@@ -120,7 +106,7 @@ class Estimate(Viewable):
 
     @property
     def eta(self) -> Array:
-        """Eta (22) with its zero taken out [1] (n,)."""
+        """Eta (22) over its zero [1] (n,)."""
         return eta_of(self.read.omega_f, self.read.omega_r) / self.zeros[0]
 
     @property
@@ -150,10 +136,7 @@ class Estimate(Viewable):
         return dict(zip(COLUMNS, (*columns, self.ecu.step.reason), strict=True))
 
     def to_frame(self) -> "pd.DataFrame":
-        """Return `columns` as a frame of one row per sample, with units in ``attrs["units"]``.
-
-        Raises BrakeCalError without the extra `frames`.
-        """
+        """Return `columns` as a frame with units in ``attrs["units"]``, by the extra `frames`."""
         frame: pd.DataFrame = need("pandas", "frames").DataFrame(self.columns())
         frame.attrs["units"] = dict(COLUMNS)
         return frame

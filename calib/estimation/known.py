@@ -25,10 +25,7 @@ def as_driven(table: Table, car: Vehicle) -> Table:
 
 
 def nominal_car(table: Table, vehicle: Vehicle | None = None) -> Vehicle:
-    """Return the table's car with the pads of ``vehicle``.
-
-    Without a ``vehicle`` the pads have the ratio of the table's file and the level of the ramp.
-    """
+    """Return the table's car with pads of ``vehicle``, by default its own at the ramp's level."""
     car = table.vehicle
     if vehicle:
         return car.with_pads(vehicle.front.pad_friction, vehicle.rear.pad_friction)
@@ -66,7 +63,7 @@ def known_slips(table: Table, road: ForceBalance) -> Pair:
     the ramp's ratio; on another road they are wrong by the ratio of the tyres' stiffness there.
     """
     car = table.vehicle
-    # -M dv/dt where the brakes alone slow the car: rotating masses take the rest of their force
+    # -M dv/dt where the brakes alone slow the car: rotating masses take the rest of the force
     alone = road.demanded / (1.0 + sum(rotating_shares(car)))
     share = front_share(car, table.calibration.pad_log_ratio.value)
 

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from calib.base.plain import METRICS
 from calib.base.warning import PlausibilityWarning
 
-PASSED, WARNING, FAILED, NOT_KNOWN = "passed", "warning", "failed", "not known"
-"""Verdicts of a judgement."""
+PASSED, WARNING, FAILED, NOT_KNOWN = "passed", "warning", "failed", "not known"  # verdicts
 
 
 @dataclass(frozen=True)
@@ -61,10 +60,9 @@ DEFAULTS: tuple[Limit, ...] = tuple(
     for key, metric in METRICS.items()
     if any(end is not None for end in metric.stop)
 )
-"""Limits of a stop when the user gives none, in the order of `calib/base/metrics.csv`.
+"""Limits of a stop when the user gives none: an ECU has answers, whose intervals hold the truth.
 
-They judge whether an ECU has an answer, and whether its interval holds the truth, or else the
-estimate with v. How large errors and intervals may be is for the user to limit.
+How large errors and intervals may be is for the user to limit.
 """
 
 

@@ -17,8 +17,7 @@ from calib.estimation.estimator import Estimate
 from calib.estimation.readout import Bounded, Readout
 from calib.table.budget import Parts, deviations
 
-METRICS: dict[str, str] = meanings("stop")
-"""Every metric of a validation, with its meaning."""
+METRICS: dict[str, str] = meanings("stop")  # all metrics of a validation, with their meanings
 
 Figures = dict[str, float | None]
 
@@ -33,15 +32,13 @@ class Truth(NamedTuple):
 
 
 def truth_of(e: Estimate) -> Truth | None:
-    """Return the truth of both axles if the log has the torque of its wheels, else None.
-
-    Without truth channels of the pads, their friction follows from (2) with the vehicle's geometry.
-    """
+    """Return the truth of both axles if the log has the torque of its wheels, else None."""
     channels, car = e.ran.log.truth, e.car
     if "true_Tb_fl" not in channels or "true_Tb_rl" not in channels:
         return None
     wheels = np.array([[channels[f"true_Tb_{axle}{side}"] for side in "lr"] for axle in "fr"])
     torque = 0.5 * (wheels[:, 0] + wheels[:, 1])
+    # without truth channels of the pads, their friction follows from (2) with the car's geometry
     p = np.array([e.read.p_f, e.read.p_r])
     gain = np.array([[car.front.torque_gain], [car.rear.torque_gain]])
     pads = torque / (gain * np.where(p > 1e5, p, np.nan))
@@ -51,8 +48,7 @@ def truth_of(e: Estimate) -> Truth | None:
     return Truth(np.where(pads > 0.0, pads, np.nan), torque)
 
 
-_SIDES = ("f", "r", "level")
-"""Sides for which an answer is scored: each axle, and both together."""
+_SIDES = ("f", "r", "level")  # an answer is scored for each axle and for both together
 _NAMES = (
     ("pad_friction_level", "pad_level"),
     ("torque_error_level", "level_error"),
@@ -71,7 +67,7 @@ def score(e: Estimate) -> Figures:
         "ecu_valid_share": share(by_ecu, counted),
     }
     # innovations of blocks above 3 m/s after the lead-in
-    b = e.blocks
+    b = e.run.blocks
     innovation = e.best.step.innovation[np.searchsorted(e.time, b.end)]
     innovation = innovation[np.isfinite(innovation) & ~b.lead_in & (b.speed > MOVING)]
     if innovation.size > 10:
@@ -90,7 +86,7 @@ def score(e: Estimate) -> Figures:
     if "inside_f" in figures:
         figures["truth_in_interval"] = 0.5 * (figures["inside_f"] + figures["inside_r"])
     comparable = valid & by_ecu
-    if e.blocks.v is not None and comparable.any():
+    if e.run.blocks.v is not None and comparable.any():
         figures["ecu_reference_f"] = departure(e.ecu.pads_f, e.best.pads_f, comparable)
         figures["ecu_reference_r"] = departure(e.ecu.pads_r, e.best.pads_r, comparable)
     for part, name in _NAMES:
@@ -172,7 +168,7 @@ def baseline_errors(e: Estimate) -> dict[str, tuple[float, float]]:
     best, ecu = ((x.pads_f.value, x.pads_r.value) for x in (e.best, e.ecu))
     true = np.array(best) if truth is None else truth.pad_friction
     comparable = e.valid & np.isfinite(true).all(axis=0)
-    if not comparable.any() or (truth is None and e.blocks.v is None):
+    if not comparable.any() or (truth is None and e.run.blocks.v is None):
         return {}
     methods = {"ecu": ecu} if truth is None else {"estimate": best, "ecu": ecu}
     methods |= {name: method(e) for name, method in METHODS.items()}

@@ -82,10 +82,7 @@ _FASTEST = 110.0  # speed that no car reaches [m/s]
 
 
 def limits(sample_time: float, car: Vehicle) -> tuple[Array, Array, Array]:
-    """Return least and largest readings of `CHANNELS`, and largest change per call, (11,) each.
-
-    ``sample_time`` is the time between calls [s]. Tyres of the ``car`` limit the torque of a motor.
-    """
+    """Return least and largest readings of `CHANNELS` and largest change in ``sample_time`` [s]."""
     sensors = CHANNELS.values()
     low, high, jump, rate = np.array([(x.low, x.high, x.jump, x.rate) for x in sensors]).T
     torque = [_GRIP * car.weight * axle.rolling_radius for axle in (car.front, car.rear)]
@@ -94,8 +91,7 @@ def limits(sample_time: float, car: Vehicle) -> tuple[Array, Array, Array]:
     return low, high, np.minimum(jump + rate * sample_time, high - low)
 
 
-READ_OUT = tuple(FIELDS[name] for name in ANSWERS)
-"""Fields of a `Readout` by the order of `ANSWERS`."""
+READ_OUT = tuple(FIELDS[name] for name in ANSWERS)  # fields of a `Readout` in this order
 
 
 def online(table: Table, car: Vehicle, log: Log) -> Readout:
@@ -130,10 +126,9 @@ def online(table: Table, car: Vehicle, log: Log) -> Readout:
 
 
 def answered(table: Table, sample_time: float, samples: Array) -> Array:
-    """Return answers (n, 28) to ``samples`` (n, 11) of a block or more, as `bte_run` of the C code.
+    """Return finite answers (n, 28) to ``samples`` (n, 11), as `bte_run` of the C code.
 
-    ``sample_time`` is that of the ECU's task [s]. A row has the `Reason`, then `ANSWERS` with their
-    bounds; all are finite.
+    ``sample_time`` is that of the ECU's task [s]. A row has `Reason`, then `ANSWERS` with bounds.
     """
     log = Log("", "", "", _channels_of(samples, sample_time))
     readout = online(table, table.vehicle, log)

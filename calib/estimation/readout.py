@@ -39,19 +39,17 @@ class Bounded(NamedTuple):
         return np.log(self.upper / self.lower) / (2.0 * Z95)
 
     def deviations(self, true: Array) -> Array:
-        """ln of value over ``true``, in standard deviations (n,): +-1.96 at the bounds.
-
-        The standard deviation is that of the half of the interval on the side of the truth.
-        """
-        side = np.where(true > self.value, self.upper / self.value, self.value / self.lower)
-        return np.log(self.value / true) / (np.log(side) / Z95)
+        """ln of value over ``true``, in standard deviations (n,): +-1.96 at the bounds."""
+        # the half of the interval on the side of the truth
+        half = np.where(true > self.value, self.upper / self.value, self.value / self.lower)
+        return np.log(self.value / true) / (np.log(half) / Z95)
 
 
 @dataclass(frozen=True)
 class Readout:
     """Answer of the step for each sample (n,), and the pads and torques by this answer.
 
-    The pad frictions of an `Estimate` are without known effects on the pads, the torques with them.
+    Pad frictions of an `Estimate` are without known effects on the pads, torques with them.
     """
 
     inputs: Sample[Array]  # inputs of the step, for each block (k,)
@@ -100,8 +98,7 @@ FIELDS = (
     | {"pad_level": "level", "pad_ratio": "ratio", "brake_torque_sum": "torque_sum"}
 )
 """Fields of a `Readout` by their columns; both wheels of an axle have the same torque."""
-ENDS = "", "_lower", "_upper"
-"""Ends of the names of a median and of its bounds."""
+ENDS = "", "_lower", "_upper"  # of the names of a median and of its bounds
 UNITS = {
     f"{name}{end}": "N*m" if "torque" in name else "1"
     for name in FIELDS

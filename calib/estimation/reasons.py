@@ -15,10 +15,7 @@ from calib.table.table import Table
 
 
 class Reason(IntEnum):
-    """Why the answer of a block is not valid; 0 for a valid one.
-
-    An answer is not valid where the model does not hold, never because its interval is wide.
-    """
+    """Why the model does not hold in a block, so that its answer is not valid; 0 if it is valid."""
 
     words: str  # the second half of each member
 
@@ -49,10 +46,7 @@ CHECKS = {
     "far": "what was learned of a_x, or the demanded force, is as of no car",
     "no_zero": "what is read while nothing brakes is no zero",
 }
-"""Checks of innovations and states, with words for a failure, whose reason is IMPLAUSIBLE.
-
-A set of failures is a number with a bit for each check, from the first: 1, 2, 4, 8 and 16.
-"""
+"""Checks of innovations and states, with words for a failure; their bits are 1, 2, 4, 8 and 16."""
 
 
 def disturbances(table: Table, log: Log, s: Signals) -> Index:

@@ -27,10 +27,7 @@ SUMMARY = "summary.json"
 def to_dict(
     stored: Stored, results: list[Validation], precision: Precision | None = None
 ) -> dict[str, object]:
-    """Return `summary.json`: metrics, judgements and baselines of every log, and the verdict.
-
-    ``precision`` is that of the exported table, None for the full maps of the table.
-    """
+    """Return `summary.json`; ``precision`` is that of the exported table, None for full maps."""
     between_stops, ramp = agreement(results), stored.table.calibration
     warnings = [*stored.table.warnings, *(w for r in results for w in r.all_warnings)]
     return {
@@ -52,7 +49,7 @@ def to_dict(
 
 def unseen_in(stored: Stored, results: Sequence[Validation]) -> list[Unseen]:
     """Return the entries of the vehicle file whose errors neither ramp nor stops can show."""
-    with_v = any(r.estimate.blocks.v is not None for r in results)
+    with_v = any(r.estimate.run.blocks.v is not None for r in results)
     return unseen_entries(stored.table, with_v, results[0].mass.tolerance if results else None)
 
 
@@ -84,10 +81,9 @@ def _of_log(r: Validation) -> dict[str, object]:
 
 
 def write_results(results: list[Validation], summary: dict[str, object], out: Path) -> list[Path]:
-    """Write ``out``/<log>.parquet for every log and ``out``/summary.json; return the paths.
+    """Write <log>.parquet of every log and the summary into ``out``, all or none, or raise OSError.
 
-    All of them are written or none. Results of other logs in ``out`` stay. Raises OSError if
-    ``out`` cannot be written.
+    Return the paths. Results of other logs in ``out`` stay.
     """
     with work_folder(out) as work:
         fill(results, summary, work)

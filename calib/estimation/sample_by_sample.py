@@ -1,8 +1,6 @@
-"""Run the estimator of an ECU sample by sample, for tests in a closed loop.
+"""Run the estimator of `calib.estimation.online` sample by sample, for tests in a closed loop.
 
 sample --check range--> readings of a block --50 ms--> step of the table --> answer of a block
-
-The answers are those of `calib.estimation.online` to a whole log.
 """
 
 import math
@@ -119,10 +117,8 @@ class Online:
         of_block = Answer(*(np.asarray(y)[..., None] for y in step(self._c, state, block)))
         answer, place = with_before(self._c, of_block), 0 if is_first else 1
         self._reason = int(answer.reason[place])
-        pads = pads_of_blocks(self._table, inputs, answer)[:4]
-        self._answers = [
-            y[:, place] for y in pads
-        ]  # level, ratio and pads of both axles, (3,) each
+        # level, ratio and pads of both axles, (3,) each
+        self._answers = [y[:, place] for y in pads_of_blocks(self._table, inputs, answer)[:4]]
 
 
 def online(table: Table | Stored, sample_time: float) -> Online:

@@ -1,7 +1,4 @@
-"""State of the step, and `Sample`, the input of the step for a block.
-
-The classes are those of the C code, too: `calib.ecu.structures` reads their fields and comments.
-"""
+"""State of the step, and its input `Sample`. `calib.ecu.structures` makes the same classes in C."""
 
 from collections import deque
 from collections.abc import Sequence
@@ -10,8 +7,7 @@ from typing import Generic, NamedTuple, TypeVar
 
 from calib.base.arrays import Array
 
-Number = TypeVar("Number", float, Array)
-"""Type of a quantity: a number for one block, an array (k,) for many."""
+Number = TypeVar("Number", float, Array)  # a number for one block, an array (k,) for many
 
 
 class Sample(NamedTuple, Generic[Number]):
@@ -42,10 +38,7 @@ class Zero:
 
 @dataclass(slots=True)
 class LevelFilter:
-    """Kalman filter of the brakes: states, then their variances and covariances.
-
-    The third state, the lag of the brakes, is in `State`, since the lag outlasts a stop.
-    """
+    """Kalman filter of the brakes; its third state, the lag, outlasts a stop and is in `State`."""
 
     level: float = 0.0  # of the pads [1]
     rate: float = 0.0  # of the level [1/s]

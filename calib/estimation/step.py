@@ -66,11 +66,7 @@ def follow(c: Constants, s: State, x: Sample[float]) -> eq.BlockState[float]:
 
 
 def _learn_zeros(c: Constants, s: State, x: Sample[float], *, counts: bool) -> None:
-    """Update the zeros by blocks that lie far enough before a bite, (S3).
-
-    A block of a rolling car waits for `Constants.before_bite`, and counts if no brake bites until
-    then.
-    """
+    """Update the zeros by a rolling block if no brake bites for `Constants.before_bite`, (S3)."""
     eq.widen_zeros(c, s)
     s.zero_slip.variance = min(s.zero_slip.variance + c.walk_radius, c.var_zero)
     if x.pressure <= c.bite and len(s.waiting) >= round(c.before_bite / c.block):
@@ -124,11 +120,12 @@ def _answers(c: Constants, s: State, x: Sample[Array], state: eq.BlockState[Arra
     of_map = (shift >= shifts[0]) & (shift <= shifts[-1])
     readable = of_map & ~unbraked & (z >= c.least_z)
     errors = eq.eta_error(c, state, z) / z, w.slip_sigma
-    read, zeros = _ratio(c, (z, shift, w.slip), errors, x.log_odds, readable)
+    read, variance = _ratio(c, (z, shift, w.slip), errors, x.log_odds, readable)
     counts = state.counts > 0.0
-    ratios, zeros = _hold(c, s, read, zeros, w.pads, (unbraked, counts & (x.pressure > c.bite)))
+    flags = unbraked, counts & (x.pressure > c.bite)
+    ratios, variance = _hold(c, s, read, variance, w.pads, flags)
     return Answer(
-        level, ratios[:, 0], ratios[:, 1], w.noise, w.accelerometer, zeros,
+        level, ratios[:, 0], ratios[:, 1], w.noise, w.accelerometer, variance,
         log_slip + sigma * w.slip, sigma * w.slip_sigma, state.zero_eta, state.zero_slip,
         state.checks, np.where(counts, state.innovation, np.nan),
         eq.reason_of(c, x, state, np.exp(level[0]), of_map),
@@ -138,7 +135,7 @@ def _answers(c: Constants, s: State, x: Sample[Array], state: eq.BlockState[Arra
 def widened(x: Array, more: Array) -> Array:
     """Return a median and its bounds (3, ...), with distances d widened to hypot(d, more).
 
-    ``more`` is the same distance for both bounds (...), or (3, ...) with the first one unused.
+    ``more`` is one distance for both bounds (...), or (3, ...) of which the first is not used.
     """
     away = np.hypot(x - x[0], more)
     return np.stack([x[0], x[0] - away[1], x[0] + away[2]])
@@ -151,7 +148,7 @@ def _ratio(
     log_odds: Array,
     readable: Mask,
 ) -> tuple[Array, Array]:
-    """Return ln of ratio and change with bounds (3, 2, k), and the variance by reading (k,).
+    """Return ln of ratio and change with bounds (3, 2, k), and the variance by ``errors`` (k,).
 
     ``point`` is the place on the axes z, (eta - 1)/z and slip of the map, (k,) each; ``errors`` are
     those of the last two. The more the map narrows the prior, the more the map counts, (S11). Where
@@ -163,41 +160,41 @@ def _ratio(
     places[1, 1:3] += np.stack([-steps[0], steps[0]])
     places[2, 3:5] += np.stack([-steps[1], steps[1]])
     read = c.pads(*places)  # (3, 2, place, block)
-    prior, zeros = c.prior(point[0]), 0.0 * point[0]
-    now = read[:, :, 0]
+    prior, variance = c.prior(point[0]), 0.0 * point[0]
+    ratios = read[:, :, 0]
     # an error widens the bounds by the slope of the map along its axis
     for low, high, steps_of_error in ((1, 2, errors[0] / steps[0]), (3, 4, errors[1] / steps[1])):
         more = 0.5 * Z95 * steps_of_error * (read[0, :, high] - read[0, :, low])
-        now, zeros = widened(now, more), zeros + (more[0] / Z95) ** 2
-    narrowed = (now[2, 0] - now[1, 0]) / (prior[2, 0] - prior[1, 0])  # width over the prior's
+        ratios, variance = widened(ratios, more), variance + (more[0] / Z95) ** 2
+    narrowed = (ratios[2, 0] - ratios[1, 0]) / (prior[2, 0] - prior[1, 0])  # width over the prior's
     widths = zip(narrowed.tolist(), readable.tolist(), strict=True)
     share = np.array([eq.share_of(c, width, 1.0) if reads else 0.0 for width, reads in widths])
-    now, zeros = prior + share * (now - prior), share * zeros
+    ratios, variance = prior + share * (ratios - prior), share * variance
     of_prior = 1.0 + share * (narrowed - 1.0)
     # The map has the ratio of the brake forces; less log_odds it is that of the pads. As far as its
     # variance is still that of the prior, it is drawn to the pads of the ramp.
-    now[:, 0] += of_prior**2 * (log_odds - prior[0, 0] + c.ramp_ratio) - log_odds
-    return now, zeros
+    ratios[:, 0] += of_prior**2 * (log_odds - prior[0, 0] + c.ramp_ratio) - log_odds
+    return ratios, variance
 
 
 def _hold(
-    c: Constants, s: State, now: Array, zeros: Array, level: Array, flags: tuple[Mask, Mask]
+    c: Constants, s: State, read: Array, variance: Array, levels: Array, flags: tuple[Mask, Mask]
 ) -> tuple[Array, Array]:
     """Return the held ratio at each block, shaped as by `_ratio`: the narrowest so far, (S12).
 
-    ``now`` and ``zeros`` are the readings of `_ratio`, ``level`` is that of the pads (k,). The
+    ``read`` and ``variance`` are results of `_ratio`, ``levels`` are those of the pads (k,). The
     ``flags`` (k,) say whether a block is before a stop and resets the held ratio, and whether the
     reading of the block counts.
     """
     ratios, more_variance = [], []
-    rows = np.vstack([now.reshape(6, -1), zeros]).T.tolist()  # as `State.held_ratio`
+    rows = np.vstack([read.reshape(6, -1), variance]).T.tolist()  # as `State.held_ratio`
     resets, counts = (x.tolist() for x in flags)
-    for row, pads, reset, count in zip(rows, level.tolist(), resets, counts, strict=True):
+    for row, level, reset, count in zip(rows, levels.tolist(), resets, counts, strict=True):
         s.age += c.block
         if reset:
-            s.held_ratio, grown = row, eq.reset_held(c, s, pads, 1.0)
+            s.held_ratio, grown = row, eq.reset_held(c, s, level, 1.0)
         else:
-            grown = eq.held_variance(c, s, pads)
+            grown = eq.held_variance(c, s, level)
         if count and not reset:
             middle, _, low, _, high, *_ = s.held_ratio
             more = Z95 * math.sqrt(grown)
@@ -206,8 +203,8 @@ def _hold(
             if share > 0.0:
                 pairs = zip(s.held_ratio, row, strict=True)
                 s.held_ratio = [(1.0 - share) * x + share * y for x, y in pairs]
-                grown = eq.reset_held(c, s, pads, share)
+                grown = eq.reset_held(c, s, level, share)
         ratios.append(s.held_ratio)
         more_variance.append(grown)
-    out, variance = np.array(ratios).T, np.array(more_variance)
-    return widened(out[:6].reshape(3, 2, -1), Z95 * np.sqrt(variance)), out[6] + variance
+    out, added = np.array(ratios).T, np.array(more_variance)
+    return widened(out[:6].reshape(3, 2, -1), Z95 * np.sqrt(added)), out[6] + added

@@ -29,14 +29,11 @@ from calib.table.table import Table
 
 HOLDOUT, CALIBRATION = "hold-out", "calibration"  # roles of a log
 
-TRUTH, REFERENCE, NONE = "truth", "reference", "none"
-"""Proofs of a table by a log: true torques, v, or nothing."""
+TRUTH, REFERENCE, NONE = "truth", "reference", "none"  # proofs by true torques, v, or nothing
 _PROOFS = {TRUTH: "ecu_normalised_error_f", REFERENCE: "ecu_reference_f"}
 """Proofs from the strongest, with a metric that only a log with this proof has."""
-_LEAST_REFUSED = 0.1  # share of the braked samples above which `Validation.refused` has a reason
 
-Coded = Callable[[Estimate, Log], Readout]
-"""Function that returns the answer of the C code to a log of an estimate."""
+Coded = Callable[[Estimate, Log], Readout]  # returns the answer of the C code to the log
 
 NO_HOLDOUT = "the table was fitted on this log: it is no hold-out and proves nothing"
 
@@ -85,13 +82,10 @@ class Validation(Viewable):
 
     @property
     def refused(self) -> dict[str, float]:
-        """Share of the braked samples above 3 m/s that are not valid, by reason, the largest first.
-
-        A reason for a tenth of them or less is left out.
-        """
+        """Share of the braked samples above 3 m/s that are not valid, by reason, if above 10 %."""
         counted = counted_samples(self.estimate)
         shares = ((share(x, counted), why) for why, x in self.estimate.refused.items())
-        return {why: x for x, why in sorted(shares, reverse=True) if x > _LEAST_REFUSED}
+        return {why: x for x, why in sorted(shares, reverse=True) if x > 0.1}
 
     @cached_property
     def baselines(self) -> dict[str, tuple[float, float]]:
@@ -124,16 +118,13 @@ def validate(
 
     Parameters
     ----------
-    table : the table to validate, or a version of it in a store.
+    table, mass, exported : as in `calib.estimation.estimator.estimate`.
     logs : hold-outs. A log on which the table was fitted is marked, and validates nothing.
     vehicle : the same car with other nominal pads than the table's.
     limits : ranges outside of which a metric fails or warns.
-    mass : mass of the car in these logs [kg], if not that of the table's vehicle.
-    exported : the table as an ECU reads it, see `calib.table.exported`; else its full maps.
 
-    Raises LogError for a log that cannot be used, and when the log is clearly of another vehicle;
-    VehicleError when ``vehicle`` is another car than the table's; StoreError for a table without
-    maps.
+    Raises LogError for a log that cannot be used or is clearly of another vehicle, VehicleError
+    when ``vehicle`` is another car than the table's, StoreError for a table without maps.
 
     >>> import calib
     >>> logs = calib.sample_logs() / "simulation_study"

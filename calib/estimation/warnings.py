@@ -63,10 +63,7 @@ _ZEROED, _NOT_ZEROED = 5e-5, 0.01  # sigma of the zero of eta [1], with a lead-i
 
 
 def warnings_of(e: Estimate, run: Run | None = None) -> tuple[PlausibilityWarning, ...]:
-    """Return all warnings of an estimate, also those that make it void.
-
-    ``run`` is the log as read, if its gaps were filled for the estimate.
-    """
+    """Return all warnings of an estimate; ``run`` is the log as read, if its gaps were filled."""
     log_run = run or e.run
     resistance = known_resistance(e.table)
     accelerometer = e.run.accelerometer(resistance, e.noise)
@@ -110,11 +107,8 @@ def _has_force_without_pressure(evidence: Evidence) -> bool:
 
 
 def _is_late(e: Estimate) -> bool:
-    """Return whether eta has a part in proportion to z/v, as late wheel speeds of an axle give.
-
-    The coefficient of g z/v in a least squares fit of eta is the delay [s].
-    """
-    b = e.blocks
+    """Return whether eta has a part d g z/v with a delay d, as late wheels of an axle give."""
+    b = e.run.blocks
     use = (np.maximum(b.p_f, b.p_r) > BITE) & (b.speed > MOVING)
     if np.count_nonzero(use) < _FEWEST or not b.lead_in.any():
         return False
@@ -139,26 +133,21 @@ def _mistakes(e: Estimate, resistance: Resistance, evidence: Evidence) -> Iterat
 
 
 def _level_change(e: Estimate, resistance: Resistance, i: int) -> tuple[float, float]:
-    """Return ln of the brake force over that of the ramp's pads [1] at sample ``i``, and its sigma.
-
-    The sigma excludes the error of the mass, so that another load shows.
-    """
+    """Return ln of the brake force over that of the ramp's pads [1] at sample ``i``, and sigma."""
     best = e.best
     sigma_z = float(resistance.sigma_z(e.car, e.read.speed[i : i + 1])[0])
     variance = float(best.step.noise[i] + best.step.accelerometer[i])
     variance += (sigma_z / max(float(e.read.z[i]), 0.02)) ** 2
+    # without the error of the mass, so that another load shows
     variance += sum(x for part, x in e.table.budget.level.items() if part != "mass")
     log_level_of_ramp = pad_levels(e.table.vehicle, e.table.calibration).level
     return math.log(best.level.value[i]) - log_level_of_ramp, math.sqrt(variance)
 
 
 def axles_exchanged(table: Table, e: Estimate) -> float:
-    """Return ln of the likelihood ratio of exchanged axles over axles as given, by eta.
-
-    It is 0 where the car never brakes, or brakes with the rear axle alone.
-    """
+    """Return ln of the likelihood ratio of exchanged axles over axles as given, by eta."""
     z, eta_rise, error = _curve(e)
-    if not z.size or e.run.alone == "r":
+    if not z.size or e.run.alone == "r":  # the car never brakes, or with the rear axle alone
         return 0.0
     # weights (25, k) of linear interpolation from `_Z` to z; eta - 1 of the scenarios (4096, k)
     weights = np.stack([np.interp(z, _Z, unit) for unit in np.eye(_Z.size)])
@@ -182,13 +171,11 @@ def _eta_rises(table: Table) -> Array:
 
 
 def _curve(e: Estimate) -> tuple[Array, Array, Array]:
-    """Return brake force over weight, eta - 1 and the error of eta, (k,) each: means in `_BINS`.
-
-    Blocks with locked wheels or faults are left out, since no scenario has them.
-    """
-    b, demanded = e.blocks, e.best.inputs.demand
+    """Return brake force over weight, eta - 1 and the error of eta, (k,) each: means in `_BINS`."""
+    b, demanded = e.run.blocks, e.best.inputs.demand
     eta_rise = (1.0 + e.best.inputs.eta_less_1) / e.zeros[0] - 1.0
     variance = 2.0 * (e.noise.omega / np.maximum(b.omega_f, 1.0)) ** 2 / b.length
+    # no scenario has locked wheels or faults
     rolls = ~np.isin(e.best.inputs.disturbed, (Reason.LOCKED, Reason.FAULT))
     use = (np.maximum(b.p_f, b.p_r) > BITE) & (b.speed > MOVING) & rolls
     use &= (demanded > _BINS[0]) & (demanded <= _BINS[-1])

@@ -113,7 +113,7 @@ _ERRORS = ("ecu_torque_error_f", "ecu_torque_error_r", "ecu_level_error")
 def errors(result: Validation) -> _TorqueErrors:
     """Return the errors of the ECU's torques in a stop."""
     estimate = result.estimate
-    compared = valid_samples(estimate) & estimate.valid & (estimate.blocks.v is not None)
+    compared = valid_samples(estimate) & estimate.valid & (estimate.run.blocks.v is not None)
     return errors_in(result.figures, estimate.columns(), compared)
 
 

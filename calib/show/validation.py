@@ -183,7 +183,7 @@ def _answers(stored: Stored, r: Validation) -> Iterator[Sequence[str]]:
     since = torque.UNKNOWN if change is None else signed_percent(change)
     ecu_pads = [pads(figures, axle, "ecu_") for axle in "fr"]
     yield "ECU", *torque.means(columns, ecu_valid), *ecu_pads, since, valid(figures)
-    best = "best, with v" if r.estimate.blocks.v is not None else "best, without v"
+    best = "best, with v" if r.estimate.run.blocks.v is not None else "best, without v"
     best_torques = torque.means(columns, ecu_valid & r.estimate.valid, prefix="")
     best_pads = [pads(figures, axle) for axle in "fr"]
     share = metric_of("valid_share").with_unit(figures["valid_share"])

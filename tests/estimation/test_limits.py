@@ -48,21 +48,6 @@ def test_a_warning_lies_between_pass_and_fail(tmp_path):
         Limit("eta_zero", -2.0, 2.0, -1.0, None),
         Limit("valid_share", 0.5, None, 0.8, None),
     )
-    verdicts = [judge(limits[:1], {"eta_zero": x})[0].verdict for x in (-3, -1.5, -1, 2, 2.1)]
-    assert verdicts == ["failed", "warning", "passed", "passed", "failed"]
-
-
-@given(
-    value=st.floats(-3, 3) | st.none(),
-    fail=st.floats(1, 2),
-    warn=st.floats(0, 1),
-    required=st.booleans(),
-)
-def test_a_wider_range_never_judges_harder(value, fail, warn, required):
-    order = ["passed", "warning", "failed"]
-    (narrow,) = judge((Limit("a", -fail, fail, -warn, warn, required),), {"a": value})
-    (wide,) = judge((Limit("a", -fail - 1, fail + 1, -warn - 1, warn + 1, required),), {"a": value})
-    if value is None:
-        assert narrow.verdict == wide.verdict == ("failed" if required else "not known")
-    else:
-        assert order.index(wide.verdict) <= order.index(narrow.verdict)
+    verdicts = [judge(limits[:1], {"eta_zero": x})[0].verdict for x in (-3, -1.5, -1, 2, 2.1, None)]
+    assert verdicts == ["failed", "warning", "passed", "passed", "failed", "not known"]
+    assert judge((Limit("a", 0.0, 1.0, required=True),), {})[0].verdict == "failed"

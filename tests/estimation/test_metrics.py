@@ -100,7 +100,7 @@ def made_estimate(
 
 def with_blocks(estimate, **changed):
     """The estimate with other means."""
-    return replace(estimate, run=SimpleNamespace(blocks=replace(estimate.blocks, **changed)))
+    return replace(estimate, run=SimpleNamespace(blocks=replace(estimate.run.blocks, **changed)))
 
 
 def truth_log(mu_f=0.40, mu_r=0.36, *, pressure=20e5, pads=True):

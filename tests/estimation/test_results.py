@@ -9,19 +9,9 @@ from calib.estimation.results import fill
 from tests.estimation.test_metrics import N, made_estimate
 
 SEEN = ("z", "eta", "normalised_force_f", "normalised_force_r")
-BOUNDED = {
-    "pad_friction_f": "1",
-    "pad_friction_r": "1",
-    "brake_torque_fl": "N*m",
-    "brake_torque_fr": "N*m",
-    "brake_torque_rl": "N*m",
-    "brake_torque_rr": "N*m",
-    "pad_change_f": "1",
-    "pad_change_r": "1",
-    "pad_level": "1",
-    "pad_ratio": "1",
-    "brake_torque_sum": "N*m",
-}
+PADS = ("friction_f", "friction_r", "change_f", "change_r", "level", "ratio")
+TORQUES = [f"brake_torque_{x}" for x in ("fl", "fr", "rl", "rr", "sum")]
+BOUNDED = {f"pad_{x}": "1" for x in PADS} | dict.fromkeys(TORQUES, "N*m")
 OUT = {"valid": "1"} | {
     f"{name}{end}": unit for name, unit in BOUNDED.items() for end in ("", "_lower", "_upper")
 }

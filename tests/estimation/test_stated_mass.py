@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 import numpy as np
-import pytest
 
 from calib.estimation.estimator import estimate
 from calib.fitting.fit import fit
@@ -14,25 +13,11 @@ KERB = replace(CAR, mass_tolerance=0.03)
 PADS = (0.34, 0.30)
 
 
-@pytest.fixture(scope="module")
-def light():
-    """From a ramp with the mass of the file."""
-    return fit(KERB, [noisy(ramp(REAL), 1)])
-
-
-@pytest.fixture(scope="module")
-def weighed_ramp():
-    return noisy(ramp(LOADED), 2)
-
-
-@pytest.fixture(scope="module")
-def heavy_stop():
-    return noisy(stop(with_pads(LOADED, *PADS), 35e5), 3)
-
-
-def test_told_the_intervals_hold_the_truth_and_untold_they_do_not(light, heavy_stop):
+def test_told_the_intervals_hold_the_truth_and_untold_they_do_not():
+    """With a table from a ramp with the mass of the file."""
+    table, log = fit(KERB, [noisy(ramp(REAL), 1)]), noisy(stop(with_pads(LOADED, *PADS), 35e5), 3)
     since = [mu / CAR.front.pad_friction for mu in PADS]
-    told, untold = estimate(light, heavy_stop, mass=1.2 * CAR.mass), estimate(light, heavy_stop)
+    told, untold = estimate(table, log, mass=1.2 * CAR.mass), estimate(table, log)
     assert all(np.mean(e.valid[e.braked]) > 0.8 for e in (told, untold))
     assert min(*held(told, *PADS), *held(told, *since, "change")) > 0.95
     assert max(held(untold, *PADS)[0], held(untold, *since, "change")[0]) < 0.2
@@ -46,8 +31,9 @@ def test_the_mass_of_the_file_stated_again_moves_nothing():
     assert np.array_equal(once.best.pads_f.upper, twice.best.pads_f.upper, equal_nan=True)
 
 
-def test_a_ramp_with_a_stated_mass_gives_the_pads_and_keeps_the_vehicle(weighed_ramp):
-    told, untold = fit(KERB, [weighed_ramp], mass=1.2 * CAR.mass), fit(KERB, [weighed_ramp])
+def test_a_ramp_with_a_stated_mass_gives_the_pads_and_keeps_the_vehicle():
+    log = noisy(ramp(LOADED), 2)
+    told, untold = fit(KERB, [log], mass=1.2 * CAR.mass), fit(KERB, [log])
     true = CAR.front.pad_friction
     low, high = told.calibration.pad_friction_f.ci95
     assert low < true < high

@@ -178,7 +178,7 @@ def picture(sheet: Sheet) -> Image.Image:
 
 
 _UNIT = re.compile(
-    r"^    (\w+): float = (?!field)[^#\n]*(?:#(?:[^[\n]*\[([^]\n]+)\])?.*)?$", re.MULTILINE
+    r"^    (\w+): float = (?!_follows)[^#\n]*(?:#(?:[^[\n]*\[([^]\n]+)\])?.*)?$", re.MULTILINE
 )
 _SHOWN = {"Pa": (1e-5, "bar"), "rad": (180.0 / math.pi, "deg")}
 
