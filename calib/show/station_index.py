@@ -133,9 +133,9 @@ def _why(run: IndexedRun) -> str:
         return "what the run wrote is damaged: run the car again"
     if run.verdict == index.NO_VERDICT:
         return run.refusal
-    if run.why is None:
+    if run.worst is None:
         return f"see the report: {counted(run.bad, 'warning')}" if run.bad else ""
-    figure, scope, value, action = run.why
+    figure, scope, value, action = run.worst
     metric = metric_of(figure)
     prefix = "" if scope == "car" else f"stop {scope}, "
     more = f" And {run.bad - 1} more." if run.bad > 1 else ""

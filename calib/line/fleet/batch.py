@@ -196,11 +196,8 @@ def _refuse(error: OSError) -> None:
 def logs_below(
     folder: str, out: Path, on_error: Callable[[OSError], None] = _refuse
 ) -> Iterator[str]:
-    """Yield the paths of the logs in a folder and below, possibly none, as `find_logs` does.
-
-    A folder that cannot be read is skipped after ``on_error``, which by default raises LogError.
-    """
-    for place, folders, files in os.walk(folder, onerror=on_error):
+    """Yield the paths of the logs in a folder and below, possibly none, as `find_logs` does."""
+    for place, folders, files in os.walk(folder, onerror=on_error):  # skips the folder of an error
         folders[:] = sorted(name for name in folders if not name.startswith("."))
         is_out = os.path.realpath(place) == os.path.realpath(out)
         if is_out and place != folder:

@@ -25,12 +25,10 @@ _REASON_P = 0.01
 """p times the number of metrics, up to which a further metric of an outlier is a reason, too."""
 FEWEST = 8  # fewest cars for a spread that can name outliers
 _CENSORED = 0.1  # share of the cars of a side that is censored: the outermost
-_FREEDOM = np.array([1e6, 8.0, 4.0, 2.5])
-"""Degrees of freedom of four Student distributions; the first is nearly the normal one."""
+_FREEDOM = np.array([1e6, 8.0, 4.0, 2.5])  # of four Student distributions; 1e6: nearly normal
 _QUARTILE = np.array([1.15035, 1.24032, 1.34440, 1.49085])
 """Upper quartile of |t| of each of the four distributions: the quantile 87.5 % of t."""
-_PRIOR = np.array([0.50, 0.25, 0.15, 0.10])
-"""Prior share of each of the four among the sides of all metrics."""
+_PRIOR = np.array([0.50, 0.25, 0.15, 0.10])  # share of each of the four among all sides
 _PRIOR_WEIGHT = 0.5
 """Number of sides that the prior counts for: with more, cars 9 sigma off hide in small fleets."""
 _EM_STEPS = 30  # steps of expectation and maximisation; then the shares are constant
@@ -76,8 +74,7 @@ def find_outliers(values: Array, least: Sequence[float]) -> OutlierTest:
 def _sides(values: Array, least: float) -> list[tuple[Index, Array]]:
     """Return the cars on each side of a metric's median, and their distances.
 
-    The result is empty for too few cars or without scatter. A spread is at least ``least``. A side
-    with too few cars has the spread of both sides.
+    There are none for too few cars or without scatter. ``least`` is the least spread of a side.
     """
     cars = np.flatnonzero(np.isfinite(values))
     if cars.size < FEWEST:
@@ -93,7 +90,7 @@ def _sides(values: Array, least: float) -> list[tuple[Index, Array]]:
             return []
     sides = []
     for side in (deviation < 0.0, deviation >= 0.0):
-        is_large = 2 * np.count_nonzero(side) >= FEWEST
+        is_large = 2 * np.count_nonzero(side) >= FEWEST  # else the spread is that of both sides
         distance = np.abs(deviation[side] if is_large else deviation)
         spread = max(float(np.quantile(distance, 0.75)), least)
         if spread == 0.0:

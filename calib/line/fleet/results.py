@@ -23,10 +23,10 @@ _EXPECTED = "results.parquet of `brake-cal batch`"
 
 
 def write_results(rows: Iterable[Row], settings: dict[str, str], folder: Path) -> None:
-    """Write the rows in their order; an earlier file is replaced when the new one is complete.
+    """Write the rows in their order, completely or not at all; equal rows give equal bytes.
 
     The metadata of a column holds unit and meaning of the column, that of the file the settings.
-    Equal rows give equal bytes. Raises OSError if the folder cannot be written.
+    Raises OSError if the folder cannot be written.
     """
     import pyarrow as pa
     import pyarrow.parquet as pq

@@ -1,7 +1,4 @@
-"""Rows and columns of `results.parquet`, the results of a command for many logs.
-
-Every row begins with the columns `HEAD`; those of the command follow, see `columns_of`.
-"""
+"""Rows and columns of `results.parquet`: first the columns `HEAD`, then those of a command."""
 
 from dataclasses import dataclass
 from enum import StrEnum

@@ -2,7 +2,7 @@
 
 import itertools
 import re
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -56,7 +56,7 @@ class MetricSummary:
 
     @property
     def quantiles(self) -> dict[str, float]:
-        """The quantiles 5, 25, 75 and 95 %, by percentage."""
+        """The quantiles 5, 25, 75 and 95 % by their percentage."""
         return {str(x): float(np.quantile(self._values, x / 100.0)) for x in (5, 25, 75, 95)}
 
     @property
@@ -105,8 +105,8 @@ class Summary:
         with_error = f"; {counted(errors, 'log')} with an error" if errors else ""
         if not self.judged:
             has_values = any(metric.values.size for metric in self.metrics)
-            why = "too few to judge outliers" if has_values else "none has a metric"
-            return f"{counted(len(self.logs), 'log')}: {why}{with_error}."
+            reason = "too few to judge outliers" if has_values else "none has a metric"
+            return f"{counted(len(self.logs), 'log')}: {reason}{with_error}."
         n = len(self.outliers)
         verb = "stand" if n > 1 else "stands"
         return f"{counted(n, 'log') if n else 'No log'} {verb} apart{with_error}."
@@ -153,19 +153,18 @@ def _outliers(
 
 def _copies(fleet: FleetFile) -> list[list[str]]:
     """Return the groups of logs with the same digest."""
-    by_digest: dict[str, list[str]] = {}
+    by_digest = defaultdict(list)
     for log, digest in zip(fleet.logs, fleet.values("digest"), strict=False):
-        if digest is not None:
-            by_digest.setdefault(digest, []).append(log)
-    return [logs for logs in by_digest.values() if len(logs) > 1]
+        by_digest[digest].append(log)
+    return [logs for digest, logs in by_digest.items() if digest is not None and len(logs) > 1]
 
 
 def failures_of(logs: tuple[str, ...], errors: Sequence[object]) -> tuple[_Failure, ...]:
     """Return the errors grouped by kind, the most frequent kind first."""
-    kinds: dict[str, list[tuple[str, str]]] = {}
+    kinds = defaultdict(list)
     for log, error in zip(logs, errors, strict=True):
         if isinstance(error, str):
-            kinds.setdefault(kind_of(error, log), []).append((error, log))
+            kinds[kind_of(error, log)].append((error, log))
     failures = []
     for _, errors_of_kind in sorted(kinds.items(), key=lambda item: (-len(item[1]), item[0])):
         messages, names = zip(*errors_of_kind, strict=True)

@@ -25,8 +25,7 @@ from calib.line.fleet.work import Job
 from calib.line.fleet.workers import Executor
 
 _PERIOD = 1.0  # time between two scans of a folder without complete files [s]
-_RETRY = 60.0
-"""Time after which a log that could not be read, or killed its worker, is tried again [s]."""
+_RETRY = 60.0  # time until a log that could not be read or killed its worker is tried again [s]
 _MAX_DELAY = 30.0  # longest delay of the results file behind the journal while logs arrive [s]
 
 
@@ -80,9 +79,8 @@ def watch(
 
     A log is complete after ``settle`` [s] without change. It is repeated only if its digest
     changes, and its row stays if the log is deleted. Names of logs are paths within ``folder``.
-    ``on_row`` is called with each row when the row is on the disk, ``on_error`` once with each
-    folder that cannot be read. Returns the number of rows by status. ``out`` and errors are as in
-    `run_batch`.
+    ``on_row`` is called with each row on the disk, ``on_error`` once with each folder that cannot
+    be read. Returns the number of rows by status. ``out`` and errors are as in `run_batch`.
     """
     settings = {**job.settings(), "folder": printable(os.path.realpath(folder))}
     files, reported = _CompleteFiles(settle), set[str]()

@@ -20,8 +20,7 @@ from calib.logs.log import Log
 from calib.logs.read import REQUIRED, log_bytes, read_log
 from calib.table.table import Table
 
-Outcome = tuple[Status, tuple[Cell, ...]]
-"""Result of a command for one log: the status and the cells of the row."""
+Outcome = tuple[Status, tuple[Cell, ...]]  # result for one log: status and cells of the row
 
 
 @dataclass(frozen=True)
@@ -81,13 +80,13 @@ def run_items(packed: bytes, items: tuple[WorkItem, ...]) -> list[Row | None]:
         expected = f"version {job.version}, which sent the logs"
         do = "install the same version on all workers"
         raise BatchError(f"a worker runs {PROGRAM}", expected=expected, do=do)
-    return [_run_item(job, item) for item in items]
+    return [_row_of(job, item) for item in items]
 
 
 _unpacked = lru_cache(maxsize=2)(pickle.loads)  # a worker gets the same job with every chunk
 
 
-def _run_item(job: Job, item: WorkItem) -> Row | None:
+def _row_of(job: Job, item: WorkItem) -> Row | None:
     digest, lost = None, False
     file = Path(item.path)
     try:

@@ -1,7 +1,4 @@
-"""Executors of a batch: a `Pool` of processes of this machine, or a Dask `Cluster`.
-
-A batch submits chunks, a few logs each. The future of a chunk fails if its worker died.
-"""
+"""Executors of a batch: a `Pool` of processes of this machine, or a Dask `Cluster`."""
 
 from concurrent.futures import Future
 from functools import partial
@@ -13,8 +10,7 @@ from calib.base.processes import terminate, worker_pool
 from calib.line.fleet.rows import Row
 from calib.line.fleet.work import WorkItem, run_items
 
-Rows = list[Row | None]
-"""The rows of a chunk in the order of its logs; None for a log that has not changed."""
+Rows = list[Row | None]  # of a chunk, in the order of its logs; None for an unchanged log
 
 _PRELOADED = (
     *("pyarrow.csv", "pyarrow.parquet", "scipy.linalg", "scipy.optimize", "scipy.signal"),
@@ -34,7 +30,7 @@ class Pool:
         self._pool = worker_pool(workers, *_PRELOADED)
 
     def submit(self, packed: bytes, items: tuple[WorkItem, ...]) -> Future[Rows]:
-        """Submit a chunk of logs and the pickled job, for `calib.line.fleet.work.run_items`."""
+        """Submit a pickled job and a chunk of logs; the future fails if the worker dies."""
         return self._pool.submit(run_items, packed, items)
 
     def renew(self) -> None:
@@ -50,8 +46,8 @@ class Pool:
 class Cluster:
     """The workers of Dask behind a scheduler at ``address``, such as "tcp://host:8786".
 
-    Each worker must have this version of the program, and the logs under the same absolute paths.
-    The class and its methods raise BatchError if the scheduler does not answer.
+    Each worker has the logs under the same absolute paths. The class and its methods raise
+    BatchError if the scheduler does not answer.
     """
 
     def __init__(self, address: str):

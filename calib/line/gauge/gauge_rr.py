@@ -47,15 +47,14 @@ REPRODUCIBILITY, GAUGE, TOTAL = "reproducibility", "gauge", "total"
 _RANK = 1e-9  # singular value below which a direction counts as zero, over the norm of the columns
 _SIGMAS = 6.0  # number of standard deviations of the gauge that AIAG compares with the tolerance
 _NDC = 1.41  # factor of ndc: the square root of 2 as rounded by AIAG
-_DRAWS = 20_000
-"""Number of draws for an interval: the error of its ends is a few percent of its width."""
+_DRAWS = 20_000  # for an interval: the error of its ends is a few percent of its width
 
 
 @dataclass(frozen=True)
 class _VarianceSource:
-    """A row of the analysis of variance: one cause, called source there."""
+    """A row of the analysis of variance."""
 
-    source: str
+    source: str  # the cause
     df: int  # degrees of freedom
     ss: float  # sum of squares [unit of the metric squared]
     ms: float  # mean square [unit of the metric squared]
@@ -93,7 +92,7 @@ def causes_of(car: Codes, station: Codes) -> tuple[str, ...]:
 def anova(y: Array, car: Codes, station: Codes, causes: tuple[str, ...] = ()) -> Anova:
     """Return the analysis of variance of ``y`` (n,) by ``causes``, by default those of `causes_of`.
 
-    Raises ValueError if a cause has no degree of freedom left.
+    Raises ValueError if a cause has no degree of freedom.
     """
     causes = causes or causes_of(car, station)
     codes = {CAR: car, STATION: station, INTERACTION: _cell(car, station)}
@@ -217,7 +216,7 @@ def gauge_rr(analysis: Anova, tolerance: float | None = None) -> GaugeRR:
 
 @lru_cache(maxsize=16)
 def _chi2(nu: float, stream: int) -> Array:
-    """Return chi-square draws (_DRAWS,), the same in every run; each cause has its ``stream``."""
+    """Return chi-square draws (_DRAWS,), the same in every run for each ``stream``."""
     return np.random.default_rng([20, stream]).chisquare(nu, _DRAWS)
 
 

@@ -14,7 +14,7 @@ from pathlib import Path
 from calib.base.bounded import PLAN, bytes_of
 from calib.base.errors import InputError
 from calib.fitting.fit import fit
-from calib.line.gauge.study import GaugeReading, metrics_of, refuse_repeated
+from calib.line.gauge.study import GaugeReading, metrics_of
 from calib.logs.channel_map import ChannelMap
 from calib.logs.read import read_log
 from calib.table.table import LogReference
@@ -99,7 +99,10 @@ def readings(
     for ramp in ramps:
         assert ramp.vehicle is not None
         log = read_log(ramp.log, channel_map)
-        refuse_repeated(log, fitted_logs)
+        copied = next((fitted for fitted in fitted_logs if fitted.is_run_of(log)), None)
+        if copied:
+            flaw = f"the same run as {copied.name}"
+            raise InputError(flaw, where=log.source, do="give it once")
         table = fit(cars[ramp.vehicle], [log])
         fitted_logs += table.provenance.logs
         metrics = metrics_of(table, log)

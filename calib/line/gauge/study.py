@@ -14,7 +14,6 @@ and tolerances:
     grr_of_tolerance = { max = 0.2 }              # %GRR of every tolerance
 """
 
-from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from enum import StrEnum
 from pathlib import Path
@@ -24,18 +23,10 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.errors import InputError, LimitsError
 from calib.estimation.limits import FAILED, Judgement, Limit, judge
-from calib.line.gauge.gauge_rr import (
-    INTERACTION,
-    STATION,
-    Anova,
-    GaugeRR,
-    anova,
-    causes_of,
-    gauge_rr,
-)
+from calib.line.gauge import gauge_rr as rr
 from calib.logs.log import Log
 from calib.run.axle_signals import signals
-from calib.table.table import LogReference, Table
+from calib.table.table import Table
 
 _GOOD_GRR = 0.10  # %GRR up to which AIAG calls a gauge good; from here to the limit it is marginal
 
@@ -43,15 +34,10 @@ METRICS = ("pad_scale", "pad_friction_f", "pad_friction_r", "eta_zero", "slip_st
 """Metrics of every ramp [1], see `metrics_of`."""
 
 _FIGURES = ("grr", "ndc", "grr_of_tolerance")  # figures of each metric that are judged
-KNOWN_LIMITS = (*_FIGURES, *METRICS)
-"""Names in a file of limits. The limit of a metric is its tolerance."""
+KNOWN_LIMITS = (*_FIGURES, *METRICS)  # in a file; the limit of a metric is its tolerance
 
-_DEFAULTS = (
-    Limit("grr", None, 0.30),
-    Limit("ndc", 5.0, None),
-    Limit("grr_of_tolerance", None, 0.30),
-)
-"""AIAG, Measurement Systems Analysis, 4th ed."""
+# AIAG, Measurement Systems Analysis, 4th ed.
+_DEFAULTS = Limit("grr", None, 0.3), Limit("ndc", 5.0, None), Limit("grr_of_tolerance", None, 0.3)
 
 
 class GaugeVerdict(StrEnum):
@@ -84,7 +70,7 @@ class GaugeResult:
 
     name: str
     values: Array  # of the n readings in their order, (n,)
-    gauge: GaugeRR | None  # None if repeats do not scatter at all
+    gauge: rr.GaugeRR | None  # None if repeats do not scatter at all
     judgements: tuple[Judgement, ...]
     verdict: GaugeVerdict
 
@@ -114,11 +100,7 @@ class GaugeStudy:
 
 
 def metrics_of(table: Table, log: Log) -> dict[str, float]:
-    """Return the metrics of the ramp ``log`` from its ``table``.
-
-    There is none of the curves, which follow from these: D is about K (eta - 1), with the slip
-    stiffness K, and f1 and f2 follow from D.
-    """
+    """Return the metrics of the ramp ``log`` from its ``table``."""
     s, pads = signals(log, table.vehicle.rear.rolling_radius), table.calibration
     omega_f, omega_r = (np.mean(omega[s.lead_in]) for omega in (s.omega_f, s.omega_r))
     return {
@@ -128,14 +110,6 @@ def metrics_of(table: Table, log: Log) -> dict[str, float]:
         "eta_zero": float(omega_r / omega_f) - 1.0,
         "slip_stiffness": pads.slip_stiffness.value,
     }
-
-
-def refuse_repeated(log: Log, earlier: Iterable[LogReference]) -> None:
-    """Raise InputError if ``log`` is a copy of an earlier log: a copy is no repeat."""
-    for reference in earlier:
-        if reference.is_run_of(log):
-            flaw = f"the same run as {reference.name}"
-            raise InputError(flaw, where=log.source, do="give it once")
 
 
 def read_gauge_limits(path: Path | None) -> tuple[Limit, ...]:
@@ -150,10 +124,7 @@ def read_gauge_limits(path: Path | None) -> tuple[Limit, ...]:
 
 
 def _tolerances(limits: tuple[Limit, ...], where: object = None) -> dict[str, float]:
-    """Return the width USL - LSL of the tolerance of each metric that has one.
-
-    Raises LimitsError for a tolerance without two ends that are apart.
-    """
+    """Return the width USL - LSL of each tolerance; raise LimitsError if its ends are not apart."""
     widths = {}
     for limit in limits:
         if limit.figure not in METRICS:
@@ -178,10 +149,10 @@ def study(readings: tuple[GaugeReading, ...], limits: tuple[Limit, ...] = _DEFAU
     # numbers of car and station of each reading, (n,)
     car = np.unique([reading.car for reading in readings], return_inverse=True)[1]
     station = np.unique([reading.station for reading in readings], return_inverse=True)[1]
-    causes = causes_of(car, station)
+    causes = rr.causes_of(car, station)
     values = {name: np.array([r.figures[name] for r in readings]) for name in readings[0].figures}
     try:
-        analyses = {name: anova(y, car, station, causes) for name, y in values.items()}
+        analyses = {name: rr.anova(y, car, station, causes) for name, y in values.items()}
     except ValueError as error:
         expected = "two cars or more, and more ramps than cars and stations together"
         raise InputError(str(error), where=f"{len(readings)} ramps", expected=expected) from error
@@ -200,11 +171,11 @@ def study(readings: tuple[GaugeReading, ...], limits: tuple[Limit, ...] = _DEFAU
 
 
 def _result(
-    name: str, values: Array, analysis: Anova, limits: tuple[Limit, ...], tolerance: float | None
+    name: str, values: Array, analysis: rr.Anova, limits: tuple[Limit, ...], tolerance: float | None
 ) -> GaugeResult:
     """Return the result for one metric; %GRR and ndc are judged if the cars differ."""
     try:
-        gauge = gauge_rr(analysis, tolerance)
+        gauge = rr.gauge_rr(analysis, tolerance)
     except ValueError:
         return GaugeResult(name, values, None, (), GaugeVerdict.NOT_JUDGED)
     figures: dict[str, float | None] = {}
@@ -227,9 +198,9 @@ def _notes(causes: tuple[str, ...], *, several_stations: bool) -> list[str]:
     """Return the limits of a design that separates ``causes``, in words."""
     if not several_stations:
         return ["fewer than two stations are given: reproducibility is not measured"]
-    if STATION not in causes:
+    if rr.STATION not in causes:
         return ["no car was on two stations: differences of stations count as differences of cars"]
-    if INTERACTION not in causes:
+    if rr.INTERACTION not in causes:
         return ["no car was twice on a station: the interaction counts as repeatability"]
     return []
 

@@ -51,10 +51,9 @@ def why_not_exported(stored: Stored) -> str:
 
 
 def publish_run(work: Path, out: Path) -> list[Path]:
-    """Move everything from ``work`` into ``out``, the verdict last; return the paths.
+    """Move all files of ``work`` to ``out``, the verdict last; return the paths. Raises OSError.
 
-    Files of an earlier run are removed: the export of a car that passed must not stay when the car
-    fails. Raises OSError.
+    Those of an earlier run go: the export of a car that passed must not stay when the car fails.
     """
     return publish(work, out, DOCUMENT, _stale)
 
@@ -71,10 +70,7 @@ def _stale(out: Path) -> set[str]:
 def write_refusal(
     error: BrakeCalError, identity: Identity, logs: Sequence[Path], out: Path
 ) -> None:
-    """Write `REFUSED` into the folder ``out``, completely or not at all. Raises OSError.
-
-    The files of an earlier run stay. The next run that ends with a verdict removes the refusal.
-    """
+    """Write `REFUSED` into the folder ``out``, where earlier files stay. Raises OSError."""
     document = {
         "schema": 1,
         "identity": dict(identity),

@@ -26,8 +26,7 @@ from calib.store.version import Stored
 from calib.table.budget import pad_levels, per_run
 from calib.table.table import FleetScatter, Scatter, Table
 
-_OVERLAP = 0.5
-"""Least share of the golden table's range of eta [1] that the car's table must cover for D."""
+_OVERLAP = 0.5  # share of the golden range of eta [1] that a car's table must cover to compare D
 
 
 def golden_table(store: Store, reference: str) -> Stored:
@@ -58,10 +57,7 @@ def golden_metrics(table: Table, golden: Table) -> dict[str, float]:
 
 
 def _distance(table: Table, golden: Table, end: float) -> dict[str, float]:
-    """Return the largest difference of D up to eta = ``end``, in two units.
-
-    One is the golden table's largest D, the other the 95 % half width of the difference.
-    """
+    """Return the largest difference of D up to eta = ``end``, over D and over its half width."""
     curves = table.difference, golden.difference
     # both curves are linear between rows, so their difference is largest at a row of one of them
     rows = np.union1d(*(curve.eta for curve in curves))
@@ -79,10 +75,7 @@ def _distance(table: Table, golden: Table, end: float) -> dict[str, float]:
 def _sigmas(
     table: Table, golden: Table, spread: FleetScatter, end: float | None
 ) -> dict[str, float]:
-    """Return the distances in sigma of pads and tyres, and of D where it is largest up to ``end``.
-
-    ``end`` is an eta, or None where the curves overlap too little.
-    """
+    """Return the distances in sigma of pads and tyres, and of the largest D up to eta = ``end``."""
     pads, golden_pads = (pad_levels(t.vehicle, t.calibration) for t in (table, golden))
     stiffness, mean = (t.calibration.slip_stiffness.value for t in (table, golden))
     budget, freedom = table.budget, spread.freedom

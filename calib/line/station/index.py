@@ -30,8 +30,7 @@ class IndexedRun:
     car: str = ""
     station: str = ""
     bad: int = 0  # number of checks and warnings that speak against the car
-    why: tuple[str, str, float | None, str] | None = None
-    """Metric, stop, value and next step of the worst check; None if all passed."""
+    worst: tuple[str, str, float | None, str] | None = None  # check: metric, stop, value, next step
     trend: dict[str, float | None] | None = None  # the metrics `TRENDS` by name
     limits: dict[str, tuple[float | None, float | None]] | None = None  # of `trend`: low, high
     refusal: str = ""  # reason why the car could not be judged
@@ -84,7 +83,7 @@ def _run(path: Path, place: str, written_at: float) -> IndexedRun:
             run,
             verdict=str(document["verdict"]),
             bad=len(bad) + len(document["warnings"]),
-            why=reasons[0] if reasons else None,
+            worst=reasons[0] if reasons else None,
             trend={name: metrics.get(name) for name in TRENDS},
             limits={c["figure"]: tuple(c["fail"]) for c in checks if c["figure"] in TRENDS},
         )

@@ -19,8 +19,8 @@ def _limit(figure: str) -> Limit:
     return Limit(figure, *(metric.car if has_limit else metric.stop), metric.required)
 
 
-_JUDGED = [figure for figure, metric in METRICS.items() if metric.judged]
-LIMITS = tuple(map(_limit, sorted(_JUDGED, key=lambda figure: METRICS[figure].judged)))
+_JUDGED = sorted((metric.judged, figure) for figure, metric in METRICS.items() if metric.judged)
+LIMITS = tuple(_limit(figure) for _, figure in _JUDGED)
 """The default limits, first of the car, then of each stop."""
 
 
@@ -52,7 +52,6 @@ def document() -> list[dict[str, Any]]:
     return rows
 
 
-_EXAMPLE = "torque_error_f = { max = 0.05 }"
 _HEAD = """\
 Limits for `brake-cal station --limits` and `brake-cal validate --limits`.
 
@@ -73,7 +72,7 @@ def limits_file() -> str:
         required = ", required = true" if limit.required else ""
         lines += [f"# {scope}{metric.meaning}", f"# why: {metric.reason}"]
         lines += [f"{limit.figure} = {{fail = {fail}, warn = {warn}{required}}}", ""]
-    lines.append(f"# Not judged unless a line is added, such as `{_EXAMPLE}`:")
+    lines.append("# Not judged unless a line is added, such as `torque_error_f = { max = 0.05 }`:")
     for figure, metric in METRICS.items():
         if metric.scope == "stop" and not metric.judged:
             lines.append(f"# {figure}: {metric.meaning}")

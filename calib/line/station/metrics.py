@@ -22,11 +22,9 @@ from calib.run.run import Run
 from calib.table.curves import MEASURED
 from calib.table.table import Table
 
-METRICS: dict[str, str] = meanings("car")
-"""The metrics of a car, with their meanings."""
+METRICS: dict[str, str] = meanings("car")  # the metrics of a car, with their meanings
 
-_LOW, _HIGH = 0.10, 0.40
-"""Range of deceleration [1] of a side difference: too noisy below, nonlinear tyres above."""
+_LOW, _HIGH = 0.10, 0.40  # deceleration [1]: too noisy below, nonlinear tyres above
 _WIDEST = 0.05  # half width of the 95 % interval [1] above which a side difference is not known
 _FEWEST = 8  # least number of blocks of 0.2 s for an estimate of the scatter
 
@@ -36,8 +34,7 @@ def metrics_of(
 ) -> dict[str, float | None]:
     """Return all `METRICS` of a car; None where its logs cannot give a metric.
 
-    ``ramps`` are the logs that ``table`` was fitted on, without coasts; ``results`` are those of
-    the hold-outs; ``golden`` is the golden table of the model.
+    ``ramps`` are those of the fit of ``table``, ``golden`` is the golden table of the model.
     """
     pads, runs = table.calibration, [Run(log) for log in ramps]
     car = table.vehicle.with_pads(pads.pad_friction_f.value, pads.pad_friction_r.value)
@@ -70,7 +67,7 @@ def _largest(values: Sequence[float | None]) -> float | None:
 
 
 def side_difference(table: Table, run: Run, axle: str) -> float | None:
-    """Return the brake force left less right over their mean [1], of ``axle`` "f" or "r".
+    """Return the brake force left less right over the mean of both [1], of ``axle`` "f" or "r".
 
     The slip s of each wheel (20), less its mean on the unbraked part, gives the force g(s) by the
     tyre curve of the table. On a straight, level road left and right carry the same load, so
@@ -108,10 +105,7 @@ def side_difference(table: Table, run: Run, axle: str) -> float | None:
 
 
 def _slope(x: Array, y: Array, y_rolling: Array) -> tuple[float, float]:
-    """Return the slope d of y = d x, and the half width of its 95 % interval.
-
-    The interval counts the error of the zero of y, by the scatter of y in unbraked rolling.
-    """
+    """Return the slope d of y = d x, and the half width of its 95 % interval."""
     from scipy.special import stdtrit
 
     sum_of_squares = float(x @ x)
@@ -119,7 +113,7 @@ def _slope(x: Array, y: Array, y_rolling: Array) -> tuple[float, float]:
         return 0.0, np.inf
     d = float(x @ y) / sum_of_squares
     of_noise = float(np.std(y - d * x, ddof=1)) / np.sqrt(sum_of_squares)
-    zero = float(np.std(y_rolling, ddof=1)) / np.sqrt(y_rolling.size)
+    zero = float(np.std(y_rolling, ddof=1)) / np.sqrt(y_rolling.size)  # error of the zero of y
     of_zero = zero * abs(float(np.sum(x))) / sum_of_squares
     return d, float(stdtrit(y.size - 1, 0.975)) * float(np.hypot(of_noise, of_zero))
 

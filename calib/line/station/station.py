@@ -30,17 +30,14 @@ from calib.store.state import DRAFT, REJECTED, RELEASED, Evidence, StateDecision
 from calib.store.version import Stored
 from calib.table.table import Table
 
-STATION = "station"
-"""Purpose of the plausibility rules for ramp and stops together, see `calib/base/rules.csv`."""
-
+STATION = "station"  # purpose of rules for ramp and stops together, see `calib/base/rules.csv`
 _LONGEST = 64  # largest number of characters of an identifier
 
 TITLES = {"serial": "Serial number", "vin": "VIN", "station": "Station", "rxswin": "RXSWIN"}
 """Titles of the identifiers: number of the car or its brake control unit, number of the car, place
 of the run, number of the software by UN R156."""
 
-Identity = Mapping[str, str]
-"""The identifiers that were given for a run, by their names in `TITLES`."""
+Identity = Mapping[str, str]  # the identifiers of a run, by their names in `TITLES`
 
 
 def identifier(text: str) -> str:
@@ -128,14 +125,14 @@ class StationOutcome:
     @property
     def verdict(self) -> str:
         """`failed` if any check fails, else `warning` if there is any warning, else `passed`."""
-        if self.counts[FAILED]:
+        if not self.passed:
             return FAILED
         return WARNING if self.warnings or self.counts[WARNING] else PASSED
 
     @property
     def passed(self) -> bool:
         """Whether no check fails; warnings pass."""
-        return self.verdict != FAILED
+        return not self.counts[FAILED]
 
     @property
     def headline(self) -> str:
@@ -183,10 +180,9 @@ def judged_car(
 ) -> StationOutcome:
     """Fit the table of a car, validate it on its stops, and judge both by the limits.
 
-    ``ramps`` and ``coasts`` are for the fit, ``stops`` are hold-outs. ``identity`` becomes part of
-    the table. ``mass`` is that of the car in these logs [kg], if not that of ``vehicle``.
-    ``golden`` is the golden table of the model. ``report`` is called after the fit and after each
-    stop. ``fields`` are further fields of `StationOutcome`.
+    ``mass`` is that of the car in these logs [kg], if not that of ``vehicle``. ``golden`` is the
+    golden table of the model. ``report`` is called after the fit and after each stop. ``fields``
+    are further fields of `StationOutcome`.
 
     Raises VehicleError for a golden table of another model, LogError for a ramp without braking, a
     coast with braking, or a stop that is a copy of a log of the fit.

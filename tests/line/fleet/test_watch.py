@@ -37,24 +37,14 @@ def idle():
 
 @pytest.fixture
 def watched(fitted, tmp_path, monkeypatch):
-    """Watch ``in`` while a bench acts; return rows rows, names done, errors and counts."""
+    """Watch ``in`` while a bench acts; return rows, names done, errors and counts."""
     monkeypatch.chdir(tmp_path)
     Path("in").mkdir()
 
-    def run(*acts, settle=2.0):
-        bench, rows, errors = Bench(*acts), [], []
-        executor = Here()
-        counts = watch(
-            validating(fitted),
-            Path("in"),
-            Path("out"),
-            executor,
-            bench,
-            rows.append,
-            errors.append,
-            settle=settle,
-            clock=lambda: bench.time,
-        )
+    def run(*acts):
+        bench, rows, errors, executor = Bench(*acts), [], [], Here()
+        how = validating(fitted), Path("in"), Path("out"), executor
+        counts = watch(*how, bench, rows.append, errors.append, clock=lambda: bench.time)
         return rows, executor.done, errors, counts
 
     return run

@@ -1,9 +1,14 @@
 """Plans of a gauge study: what is read, and what is refused."""
 
+from dataclasses import replace
+
 import pytest
 
 from calib.base.errors import InputError
-from calib.line.gauge.plan import PlannedRamp, read_plan
+from calib.line.gauge.plan import PlannedRamp, read_plan, readings
+from calib.line.gauge.study import METRICS
+from calib.logs.write import write_csv
+from tests.support.reference_car import REAL, SEDAN, noisy, ramp, with_pads
 
 
 def plan(folder, text):
@@ -46,3 +51,14 @@ def test_ramps_of_two_roads_are_no_repeats(tmp_path):
     path = plan(tmp_path, "log,car,road\na.csv,1,wet\nb.csv,1,dry\nc.csv,2,wet\n")
     with pytest.raises(InputError):
         read_plan(path)
+
+
+def test_a_copy_of_a_ramp_is_no_repeat(tmp_path):
+    log = noisy(ramp(with_pads(REAL, 0.36, 0.36)), 1)
+    channels = {name: x[::2] for name, x in log.channels.items()}
+    thinned = replace(log, channels=channels, truth={})
+    files = tmp_path / "a.csv", tmp_path / "b.csv"
+    for file, run in zip(files, (log, thinned), strict=True):
+        write_csv(run, file)
+    with pytest.raises(InputError):
+        readings([PlannedRamp(x, "1", "", SEDAN / "vehicle.toml") for x in files], None, METRICS)

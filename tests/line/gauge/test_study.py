@@ -13,12 +13,8 @@ from calib.line.gauge.study import (
     GaugeReading,
     metrics_of,
     read_gauge_limits,
-    refuse_repeated,
     study,
 )
-from calib.run.same_run import fingerprint_of
-from calib.table.table import LogReference
-from tests.support.made_runs import made_run, stop
 from tests.support.reference_car import CAR, REAL, noisy, ramp, with_pads
 
 
@@ -105,12 +101,3 @@ def test_a_tolerance_has_two_ends(tmp_path, ends):
     path.write_text(f"schema = 1\n[limits]\npad_scale = {{ {ends} }}\n")
     with pytest.raises(LimitsError):
         read_gauge_limits(path)
-
-
-def test_a_copy_of_a_run_is_no_repeat():
-    run = made_run(stop(level=20.0))
-    earlier = [LogReference("first", "ab" * 32, "ramp", fingerprint=fingerprint_of(run))]
-    thinned = {name: x[::2] for name, x in run.channels.items()}
-    with pytest.raises(InputError):
-        refuse_repeated(replace(run, channels=thinned), earlier)
-    refuse_repeated(made_run(stop(level=21.0)), earlier)
