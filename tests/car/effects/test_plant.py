@@ -1,6 +1,8 @@
 """Effects of the simulation against an independent plant that has each effect by other means."""
 
+from collections.abc import Callable
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -56,47 +58,55 @@ def faded(t):
     return 0.38 * (1.0 - 0.001 * 40.0 * max(t - 1.0, 0.0)), SEDAN.rear.pad_friction
 
 
+class Case(NamedTuple):
+    parameters: dict[str, float]  # of the effect
+    pedal: Callable[[float], float]  # pressure of the simulation [Pa] over time [s]
+    pressure: Callable[[float], float]  # pressure of the plant [Pa], which has the effect
+    plant: dict[str, object]  # further options of the plant
+    agree: dict[str, float]  # channels that agree, each with its tolerance
+    without: tuple[str, float]  # a channel, and its least difference without the effect
+
+
 CASES = {
-    # name: parameters, pressure of the simulation, pressure and options of the plant,
-    #       channels that agree, each with its tolerance, and a channel that differs by more
-    #       than a number without the effect
-    "hydraulic_delay": ({"delay": 0.08}, wave, lambda t: wave(max(t - 0.08, 0.0)), {},
+    "hydraulic_delay": Case({"delay": 0.08}, wave, lambda t: wave(max(t - 0.08, 0.0)), {},
         {"v": 3e-3, "true_Tb_fl": 0.9}, ("v", 0.05)),
-    "hydraulic_lag": ({"time_constant": 0.15}, ramp,
+    "hydraulic_lag": Case({"time_constant": 0.15}, ramp,
         lambda t: 6e5 * (t - 0.15 * (1.0 - np.exp(-t / 0.15))), {},
         {"v": 2e-3, "true_Tb_fl": 1e-3}, ("v", 0.2)),
-    "hydraulic_oscillation": ({"response_time": 0.08, "line_damping": 0.4}, ramp, swinging, {},
+    "hydraulic_oscillation": Case({"response_time": 0.08, "line_damping": 0.4}, ramp, swinging, {},
         {"v": 2e-3, "true_Tb_fl": 1e-3}, ("v", 0.05)),
-    "rear_proportioning": ({"knee_slope": 0.4, "knee": 15e5}, wave, wave,
+    "rear_proportioning": Case({"knee_slope": 0.4, "knee": 15e5}, wave, wave,
         {"own": {"rl": valve, "rr": valve}},
         {"true_Tb_rr": 1e-6, "omega_rl": 0.01, "v": 3e-3}, ("v", 0.05)),
-    "caliper_hysteresis": ({"width": 0.1, "fixed_share": 1.0}, up_and_down, in_the_play, {},
+    "caliper_hysteresis": Case({"width": 0.1, "fixed_share": 1.0}, up_and_down, in_the_play, {},
         {"v": 3e-3}, ("v", 0.05)),
-    "residual_torque": ({"residual_pressure": 2e5, "drain_time": 5.0, "rear_bias": 1.0},
+    "residual_torque": Case({"residual_pressure": 2e5, "drain_time": 5.0, "rear_bias": 1.0},
         released, released, {"own": {"rl": stuck, "rr": stuck}}, {"v": 5e-3}, ("v", 0.1)),
-    "pad_thermal_fade": ({"fade_slope": 0.001, "fade_onset": 150.0}, lambda t: 25e5,
+    "pad_thermal_fade": Case({"fade_slope": 0.001, "fade_onset": 150.0}, lambda t: 25e5,
         lambda t: 25e5, {"pads": faded},
         {"true_Tb_fl": 1e-6, "true_mu_pad_f": 1e-12, "v": 2e-3}, ("v", 0.2)),
-    "side_imbalance": ({"imbalance": 0.1, "rear_share": 0.0}, wave, wave,
+    "side_imbalance": Case({"imbalance": 0.1, "rear_share": 0.0}, wave, wave,
         {"own": {"fl": lambda t: 1.1 * wave(t), "fr": lambda t: 0.9 * wave(t)}},
         {"omega_fl": 0.01, "omega_fr": 0.01, "omega_rl": 0.01}, ("omega_fl", 0.05)),
-    "wheel_inertia": ({"extra_inertia": 1.5}, wave, wave, {"car": HEAVY},
+    "wheel_inertia": Case({"extra_inertia": 1.5}, wave, wave, {"car": HEAVY},
         {"v": 5e-3, "omega_fl": 0.02}, ("v", 0.05)),
-    "rolling_radius_mismatch": ({"radius_mismatch": -0.004}, wave, wave,
+    "rolling_radius_mismatch": Case({"radius_mismatch": -0.004}, wave, wave,
         {"radius_scale": (1.0, 0.996)}, {"v": 3e-3, "omega_rl": 0.01}, ("omega_rl", 0.05)),
-    "mass_error": ({"mass_error": 0.1}, wave, wave, {"mass_scale": 1.1},
+    "mass_error": Case({"mass_error": 0.1}, wave, wave, {"mass_scale": 1.1},
         {"v": 3e-3, "true_Fz_fl": 5.0}, ("v", 0.3)),
-    "pitch_coupling": (PITCH, step, step, {"pitch_frequency": 1.5, "pitch_damping": 0.25},
+    "pitch_coupling": Case(PITCH, step, step, {"pitch_frequency": 1.5, "pitch_damping": 0.25},
         {"true_Fz_fl": 10.0, "v": 5e-3}, ("true_Fz_fl", 200.0)),
 }  # fmt: skip
 
 
 @pytest.mark.parametrize("name", CASES)
 def test_the_simulation_follows_the_plant(name):
-    parameters, pedal, plant_pressure, plant, agree, (changed, least_change) = CASES[name]
+    case = CASES[name]
     heat = {"temperature": HEAT} if name == "pad_thermal_fade" else {}
-    log, run = driven({name: parameters}, pedal, **heat), on_the_plant(plant_pressure, **plant)
-    assert {channel: apart(log, run, channel) for channel in agree} == {
-        channel: pytest.approx(0.0, abs=tolerance) for channel, tolerance in agree.items()
+    log = driven({name: case.parameters}, case.pedal, **heat)
+    run = on_the_plant(case.pressure, **case.plant)
+    assert {channel: apart(log, run, channel) for channel in case.agree} == {
+        channel: pytest.approx(0.0, abs=tolerance) for channel, tolerance in case.agree.items()
     }
-    assert apart(driven({}, pedal), run, changed) > least_change
+    changed, least_change = case.without
+    assert apart(driven({}, case.pedal), run, changed) > least_change
