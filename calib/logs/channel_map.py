@@ -4,7 +4,6 @@ columns of a log, channel map --assign--> for each channel its column and the co
 """
 
 from collections import Counter, abc
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -158,9 +157,8 @@ def _truth_si(column: Column) -> str | None:
     for stem, si in TRUTH_UNITS.items():
         if column.name.startswith(f"{stem}_"):
             return si
-    with suppress(UnknownUnit):
-        return si_of(column.unit or "")
-    return None
+    unit = column.unit or ""
+    return si_of(unit) if is_unit(unit) else None
 
 
 def _choose_one(indices: list[int], columns: tuple[Column, ...]) -> str:

@@ -68,10 +68,7 @@ def on_line(time: Array) -> tuple[Array, tuple[str, ...]]:
 
 
 def _slope(time: Array) -> float:
-    """Step of an even clock [s]: the slope of rounded times over the sample number.
-
-    It is the common slope, by least squares, of the lines through the parts between the gaps.
-    """
+    """Step [s] of an even clock: the common slope, by least squares, of the parts between gaps."""
     mean, steps = step_of(time), np.diff(time)
     part = np.concatenate([[0], np.cumsum(steps > GAP * mean)])  # (n,) index of the part
     number = np.concatenate([[0.0], np.cumsum(np.round(steps / mean))])
@@ -87,10 +84,7 @@ _STEPS_BACK = 0.25  # largest share of frames before which time steps back [1]
 
 
 def check_running(time: Array, where: str) -> None:
-    """Raise LogError if timestamps [s] (n,) in the order of the file are disordered.
-
-    In a log of several buses time may step back a little: `_STEP_BACK`, `_STEPS_BACK`.
-    """
+    """Raise LogError if timestamps [s] (n,), in the order of the file, step back far or often."""
     if not (np.abs(time) < LATEST).all():
         raise LogError("a timestamp is no time", where=where, do="export the log again")
     steps_back = int(np.count_nonzero(time[1:] < time[:-1]))
@@ -222,10 +216,6 @@ def _jump(time: Array, where: str) -> LogError:
 
 
 def _duration(seconds: float) -> str:
-    """Write a duration in the largest unit of which it has at least one.
-
-    >>> _duration(5e-6), _duration(0.0251), _duration(1000.0)
-    ('5 us', '25.1 ms', '16.7 min')
-    """
+    """Write a duration in the largest unit of which it has at least one: ``25.1 ms``."""
     size, unit = max((s, u) for u, s in TIME_UNITS.items() if s <= max(seconds, 1e-6))
     return f"{seconds / size:.3g} {unit}"

@@ -11,7 +11,7 @@ import numpy as np
 from calib.base.arrays import Array
 from calib.base.errors import LogError
 from calib.base.names import WHEEL_PRESSURES
-from calib.base.units import UnknownUnit, from_si, si_of, spelling
+from calib.base.units import from_si, is_unit, si_of, spelling
 from calib.base.warning import LIMITS
 from calib.logs.log import ComputedPressure
 from calib.logs.source import ColumnSource, Recording, read_each
@@ -44,10 +44,7 @@ def computed_pressures(
 
 
 def factor_between(channel: Array, other: Array) -> float | None:
-    """Return the c of channel = c * other, both (n,), by least squares; None if it does not hold.
-
-    It holds if all residuals are below a small share of the range of ``channel``.
-    """
+    """Return the c of channel = c * other, both (n,), by least squares; None if one is far off."""
     channel_range = float(np.ptp(channel))
     if channel_range == 0.0 or not np.isfinite(other).all() or np.ptp(other) == 0.0:
         return None
@@ -62,8 +59,6 @@ def is_other_quantity(unit: str | None) -> bool:
     A pressure is no such source, since it may be the same pressure in another unit; nor is a number
     without a unit, since it may be the raw count of the pressure.
     """
-    try:
-        has_no_unit = unit is None or spelling(unit) in ("1", "-")
-        return not has_no_unit and si_of(str(unit)) not in ("Pa", "s")
-    except UnknownUnit:
+    if unit is None or spelling(unit) in ("1", "-") or not is_unit(unit):
         return False
+    return si_of(unit) not in ("Pa", "s")

@@ -122,10 +122,7 @@ def as_table(
 
 
 def _unassigned(trace: ChannelTrace, column: Column) -> ChannelTrace:
-    """Give a trace the full name of its column; whole numbers without a unit become a state.
-
-    They may be gears or flags, between which a car has no value.
-    """
+    """Give a trace the name of its column; whole numbers without a unit, as gears, are a state."""
     values = trace.values[np.isfinite(trace.values)]
     is_counted = not column.unit and bool(np.all(values == np.round(values)))
     return replace(trace, name=column.full_name, is_state=trace.is_state or is_counted)

@@ -101,6 +101,7 @@ def _block_at(data: mmap.mmap, place: int) -> _Block:
 
 
 def _chain(data: mmap.mmap, place: int, kind: bytes) -> Iterator[tuple[int, _Block]]:
+    """Yield the first byte and the block for each block of a chain, which the first links form."""
     while place:
         block = _block_at(data, place)
         if block.kind != kind:

@@ -16,16 +16,12 @@ from calib.logs.text.cells import column_from_cell, from_first, over_midnight
 if TYPE_CHECKING:
     import pyarrow
 
-UNIT_KEY = b"unit"
-_OTHER_KEYS = (b"units", b"Unit", b"Units")  # keys that other programs use for the unit
+_UNIT_KEYS = (b"unit", b"units", b"Unit", b"Units")  # the first is written, the others are read
 _MDF_CLOCK = "timestamps"  # time index [s] of a table that asammdf exported
 
 
 def open_parquet(data: bytes, where: str, text_format: object = None) -> ColumnSource:
-    """Open a Parquet file; ``text_format``, which all readers of tables take, is not used.
-
-    Time stamps become seconds from the first row. Raises LogError for a damaged file.
-    """
+    """Open a Parquet file; ``text_format`` is not used. Raises LogError for a damaged file."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 
@@ -76,7 +72,7 @@ def _column(field: "pyarrow.Field", is_index: bool) -> Column:
     if _clock_unit(field.type) is not None:
         name = "time" if is_index else column_from_cell(field.name).name
         return Column(name, "s", field.name)
-    for key in (UNIT_KEY, *_OTHER_KEYS):
+    for key in _UNIT_KEYS:
         if key in metadata:
             return Column(field.name, metadata[key].decode(errors="replace"))
     return Column("time", "s", _MDF_CLOCK) if is_index else column_from_cell(field.name)
@@ -171,7 +167,9 @@ def table_bytes(
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    metadata = {name: None if unit is None else {UNIT_KEY: unit} for name, unit in units.items()}
+    metadata = {
+        name: None if unit is None else {_UNIT_KEYS[0]: unit} for name, unit in units.items()
+    }
     fields = [pa.field(name, x.type, metadata=metadata[name]) for name, x in arrays.items()]
     table, sink = pa.table([*arrays.values()], pa.schema(fields)), pa.BufferOutputStream()
     pq.write_table(table, sink, **options)

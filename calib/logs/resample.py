@@ -149,6 +149,7 @@ def _ordered(trace: ChannelTrace, time: Array) -> ChannelTrace:
 
 
 def _required_or_all(names: Iterable[str]) -> list[str]:
+    """Return the names of required channels, or all names if there is none."""
     required = [name for name in names if name in CHANNELS and CHANNELS[name].required]
     return required or list(names)
 
@@ -168,9 +169,9 @@ def _span(
         flaw = f"the channels have no time in common: {', '.join(spans)}"
         raise LogError(flaw, where=where, expected="one run in which all are recorded")
     first, last = min(x.time[0] for x in channels), max(x.time[-1] for x in channels)
-    near = [x for x in channels if x.time[0] <= low + _CUT and x.time[-1] >= high - _CUT]
-    low = max([low, *(float(x.time[0]) for x in near)])
-    high = min([high, *(float(x.time[-1]) for x in near)])
+    cutting = [x for x in channels if x.time[0] <= low + _CUT and x.time[-1] >= high - _CUT]
+    low = max([low, *(float(x.time[0]) for x in cutting)])
+    high = min([high, *(float(x.time[-1]) for x in cutting)])
     if max(low - first, last - high) <= 0.0005:
         return low, high, []
     cut = f"{low - first:.3f} s at the start and {last - high:.3f} s at the end were cut off"

@@ -49,20 +49,14 @@ def address_of(column: Column, columns: Sequence[Column]) -> str:
 
 @dataclass(frozen=True)
 class ColumnSource:
-    """An opened table of n rows.
-
-    ``read`` takes indices of columns and returns their values (n,) as written, NaN for no value.
-    """
+    """An opened table of n rows."""
 
     columns: tuple[Column, ...]
     read: Callable[[Sequence[int]], list[Array]]
+    """Returns the values (n,) of columns, by their indices, as written; NaN for no value."""
     notes: tuple[str, ...] = ()
     rates: Mapping[int, float] = field(default_factory=dict)
     """Sample rates [Hz] of the columns of a resampled recording, by index of the column."""
-
-    def read_all(self) -> list[Array | LogError]:
-        """Read every column; the error takes the place of a column that holds no numbers."""
-        return read_each(self.read, range(len(self.columns)))
 
 
 def read_each(

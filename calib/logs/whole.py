@@ -19,7 +19,7 @@ from calib.logs.clock import GAP, check_increasing, step_of
 from calib.logs.formats import as_table, stem_of
 from calib.logs.log import Log
 from calib.logs.read import open_log, refuse_mapped_time
-from calib.logs.source import Recording
+from calib.logs.source import Recording, read_each
 
 TIME = "time"
 
@@ -61,10 +61,7 @@ class WholeLog:
 
 
 def read_whole(path: Path, channel_map: ChannelMap | None = None) -> WholeLog:
-    """Read every numeric column of a log, on the clock that `read_log` takes, too.
-
-    Raises LogError for a file that is not a log, ChannelMapError for a map that does not fit.
-    """
+    """Read every numeric column, on the clock that `read_log` takes. Raises as `read_log`."""
     with open_log(path, channel_map) as opened:
         assigned, _, _ = assign(opened.source.columns, channel_map, (), str(path))
         by_index = {item.index: item for item in assigned}
@@ -75,7 +72,8 @@ def read_whole(path: Path, channel_map: ChannelMap | None = None) -> WholeLog:
     ignore = channel_map.ignore if channel_map else ()
     columns, notes = list[WholeColumn](), list[str]()
     names = {item.channel for item in by_index.values()}
-    for index, (column, values) in enumerate(zip(source.columns, source.read_all(), strict=True)):
+    arrays = read_each(source.read, range(len(source.columns)))
+    for index, (column, values) in enumerate(zip(source.columns, arrays, strict=True)):
         if isinstance(values, LogError) or column.name in ignore:
             why = values.problem if isinstance(values, LogError) else "the map ignores it"
             notes.append(f"{column.full_name} was left out: {why}")
@@ -96,10 +94,7 @@ def read_whole(path: Path, channel_map: ChannelMap | None = None) -> WholeLog:
 
 
 def channels_log(log: WholeLog) -> Log:
-    """Return the channels with a known unit and a value in every row, in SI.
-
-    Raises LogError for a log without a valid time.
-    """
+    """Return the complete channels with a known unit, in SI. Raises LogError without a time."""
     channels = {}
     for column in in_si(log).columns:
         quantity = CHANNELS.get(column.name)
@@ -109,10 +104,7 @@ def channels_log(log: WholeLog) -> Log:
 
 
 def cut(log: WholeLog, start: float | None = None, end: float | None = None) -> WholeLog:
-    """Keep the rows from ``start`` to ``end`` [s], both included; None keeps all on that side.
-
-    Raises LogError if no row is left.
-    """
+    """Keep the rows from ``start`` to ``end`` [s], inclusive. Raises LogError if none is left."""
     time = log.time
     first = 0 if start is None else int(np.searchsorted(time, start, side="left"))
     stop = time.size if end is None else int(np.searchsorted(time, end, side="right"))

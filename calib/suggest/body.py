@@ -16,8 +16,10 @@ from calib.run.pressure_delay import pressure_delay
 from calib.suggest.columns import ColumnClock, Search, Series
 from calib.suggest.words import axle_of, has_word, score, wheel_of
 
-_LEAST = 0.8  # lowest correlation [1]: a_x with dv/dt, a pressure with the deceleration
-_LEAST_WITH_WHEELS = 0.98  # lowest correlation [1] of the speed of the car with that of its wheels
+_CORRELATED = 0.8  # lowest correlation [1]: a_x with dv/dt, a pressure with the deceleration
+_CORRELATED_WITH_WHEELS = (
+    0.98  # lowest correlation [1] of the speed of the car with that of its wheels
+)
 _LAG = 0.5  # longest lag that is tried [s]: a brake builds up in 0.1 to 0.2 s
 _PRESSED = 2e5  # smallest range of a brake pressure [Pa] in a log with braking
 _SLOPES = (0.4, 2.5)
@@ -69,7 +71,7 @@ def find_speed(search: Search, wheels: Array | None) -> Array | None:
             continue
         if _score(item.name, "v") < 1:
             search.refuse(item, "a speed, but not of the car, by its name")
-        elif changing is not None and _correlation(item.values, changing) < _LEAST_WITH_WHEELS:
+        elif changing is not None and _correlation(item.values, changing) < _CORRELATED_WITH_WHEELS:
             search.refuse(item, "a speed that does not agree with the wheels")
         else:
             passed.append(item)
@@ -85,18 +87,18 @@ def find_speed(search: Search, wheels: Array | None) -> Array | None:
     return chosen.values
 
 
-def find_acceleration(search: Search, rate: Array | None, clock: ColumnClock) -> None:
-    """Find a_x by its unit, and as the derivative of speed ``rate`` [m/s^2] (n,) up to its sign."""
+def find_acceleration(search: Search, dv_dt: Array | None, clock: ColumnClock) -> None:
+    """Find a_x by its unit, and by its agreement, up to its sign, with ``dv_dt`` [m/s^2] (n,)."""
     passed = []
     for item in search.free():
         if item.si != "m/s^2":
             continue
-        points = _score(item.name, "a_x")
-        if points < 0:
+        name_score = _score(item.name, "a_x")
+        if name_score < 0:
             search.refuse(item, "an acceleration, but not longitudinal, by its name")
-        elif rate is not None and abs(_best_correlation(item.values, rate, clock)) < _LEAST:
+        elif dv_dt is not None and abs(_best_correlation(item.values, dv_dt, clock)) < _CORRELATED:
             search.refuse(item, "an acceleration that is not the derivative of speed")
-        elif rate is None and points < 1:
+        elif dv_dt is None and name_score < 1:
             search.refuse(item, "an acceleration, not known to be longitudinal")
         else:
             passed.append(item)
@@ -106,21 +108,21 @@ def find_acceleration(search: Search, rate: Array | None, clock: ColumnClock) ->
     is_named = _score(chosen.name, "a_x") > 0
     reasons = ["name"] if is_named else []
     reasons.append(f"unit {chosen.column.unit}")
-    if rate is None:
+    if dv_dt is None:
         sign = -1 if has_word(chosen.name, "deceleration") else 1
         reasons.append("the speed changes too slowly, or is not known, to check its sign with")
     else:
-        slope = np.cov(clock.smooth(chosen.values), rate)[0, 1] / np.var(rate, ddof=1)
+        slope = np.cov(clock.smooth(chosen.values), dv_dt)[0, 1] / np.var(dv_dt, ddof=1)
         if not _SLOPES[0] <= abs(slope) <= _SLOPES[1]:
             why = f"in {chosen.column.unit} it is {abs(slope):.3g} times the derivative of speed"
             search.doubt("a_x", [chosen.name], why, "give its unit: --take 'a_x=NAME [UNIT]'")
             return
-        agreement = _best_correlation(chosen.values, rate, clock)
+        agreement = _best_correlation(chosen.values, dv_dt, clock)
         sign = 1 if agreement > 0 else -1
         reasons.append(f"is the derivative of speed (correlation {abs(agreement):.2f})")
     if sign < 0:
         reasons.append("positive when the car slows down: sign reversed")
-    is_sure = is_named and rate is not None
+    is_sure = is_named and dv_dt is not None
     search.propose("a_x", Mapping(chosen.name, sign=sign), is_sure, *reasons)
 
 
@@ -141,15 +143,15 @@ def find_pressure(search: Search, braking: Array | None, clock: ColumnClock) -> 
     """
     passed, without_unit = [], []
     for item in search.free():
-        points = _score(item.name, "p_mc")
-        if wheel_of(item.name) or points < 0:
+        name_score = _score(item.name, "p_mc")
+        if wheel_of(item.name) or name_score < 0:
             continue
-        if item.si is None and points >= 2 and has_word(item.name, "pressure"):
+        if item.si is None and name_score >= 2 and has_word(item.name, "pressure"):
             without_unit.append(item.name)
-        elif item.si == "N*m" and points >= 1:
+        elif item.si == "N*m" and name_score >= 1:
             search.refuse(item, "a torque, not a pressure")
         elif item.si == "Pa":
-            if reason := _reason_against_pressure(item, points, braking, clock):
+            if reason := _reason_against_pressure(item, name_score, braking, clock):
                 search.refuse(item, reason)
             else:
                 passed.append(item)
@@ -172,14 +174,14 @@ def find_pressure(search: Search, braking: Array | None, clock: ColumnClock) -> 
 
 
 def _reason_against_pressure(
-    item: Series, points: int, braking: Array | None, clock: ColumnClock
+    item: Series, name_score: int, braking: Array | None, clock: ColumnClock
 ) -> str | None:
-    """Reason why a pressure, whose name has the score ``points``, is not the brake's, or None."""
+    """Reason why a pressure is not that of the brake, or None."""
     highest = float(item.values.max())
     if highest > BAR * bounds_of("pressure_high")[1]:
         return f"a pressure of {highest / BAR:.0f} bar is too high for a brake"
     if braking is None or np.ptp(item.values) == 0.0:
-        return None if points > 0 else "a pressure, not known to be of the brake"
+        return None if name_score > 0 else "a pressure, not known to be of the brake"
     everywhere = np.ones(braking.size, bool)
     delay = pressure_delay(clock.time, braking / G, [item.values], [], everywhere)
     if delay and abs(delay.least) > bounds_of("pressure_late")[1]:
@@ -188,7 +190,7 @@ def _reason_against_pressure(
             f"and put it in time with {delay.entry}"
         )
     agreement = _best_correlation(item.values, braking, clock)
-    if agreement < _LEAST:
+    if agreement < _CORRELATED:
         return f"a pressure that does not agree with the deceleration (correlation {agreement:.2f})"
     return None
 
@@ -200,15 +202,15 @@ def _correlation(a: Array, b: Array) -> float:
     return float(np.corrcoef(a, b)[0, 1])
 
 
-def _best_correlation(x: Array, rate: Array, clock: ColumnClock) -> float:
-    """Correlation [1] of ``x`` (n,) and the derivative of speed (n,) at the best lag."""
+def _best_correlation(x: Array, dv_dt: Array, clock: ColumnClock) -> float:
+    """Correlation [1] of ``x`` (n,) and the derivative of speed ``dv_dt`` (n,) at the best lag."""
     smooth, n = clock.smooth(x), x.size
     longest = min(clock.width(_LAG), n // 4)
     correlations = []
-    for lag in range(-longest, longest + 1):  # sample i of x belongs to sample i + lag of the rate
+    for lag in range(-longest, longest + 1):  # sample i of x belongs to sample i + lag of dv_dt
         of_x = slice(max(0, -lag), n - max(0, lag))
-        of_rate = slice(max(0, lag), n - max(0, -lag))
-        correlations.append(_correlation(smooth[of_x], rate[of_rate]))
+        of_dv_dt = slice(max(0, lag), n - max(0, -lag))
+        correlations.append(_correlation(smooth[of_x], dv_dt[of_dv_dt]))
     return max(correlations, key=abs)
 
 

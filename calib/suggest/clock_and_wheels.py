@@ -28,10 +28,7 @@ ALL_WHEEL_SPEEDS = f"{WHEEL_SPEEDS[0]} ... {WHEEL_SPEEDS[-1]}"  # channel of a d
 
 
 def find_clock(search: Search) -> None:
-    """Find the time: its name says so, it does not decrease, and its rate is possible.
-
-    Rows that repeat a time are left out.
-    """
+    """Find the time: its name says so, it does not decrease, and its rate is possible."""
     if "time" not in search.user_specified:
         _propose_clock(search)
     elif (time := search.values_of_user("time")) is not None:
@@ -44,6 +41,7 @@ def find_clock(search: Search) -> None:
         search.clock = None
         return
     source = search.proposals["time"].mapping.source
+    # rows that repeat a time are left out
     rows = _is_later(next(s.values for s in search.series if s.name == source))
     search.series = [replace(s, values=s.values[rows]) for s in search.series]
     search.gapped = [replace(s, values=s.values[rows]) for s in search.gapped]
@@ -152,9 +150,9 @@ def keep_moving_rows(
     if end - start > 6 * margin:
         start, end = start + margin, end - margin
     search.series = [replace(s, values=s.values[start:end]) for s in search.series]
-    rate = factor * clock.rate_of(speed)[start:end]
-    is_varied = bool(np.ptp(rate) > _ACCELERATED)
-    return rate if is_varied else None, ColumnClock(clock.time[start:end], clock.step)
+    dv_dt = factor * clock.derivative(speed)[start:end]
+    is_varied = bool(np.ptp(dv_dt) > _ACCELERATED)
+    return dv_dt if is_varied else None, ColumnClock(clock.time[start:end], clock.step)
 
 
 def find_wheels(search: Search) -> tuple[Array | None, bool]:

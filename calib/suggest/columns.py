@@ -11,7 +11,7 @@ from calib.base.errors import LogError
 from calib.base.names import AXLES, CHANNELS, TRUTH
 from calib.base.units import from_si, is_unit, si_of, to_si
 from calib.logs.channel_map import Mapping
-from calib.logs.source import Column, ColumnSource, address_of
+from calib.logs.source import Column, ColumnSource, address_of, read_each
 from calib.run.filters import centred_mean, samples_in
 
 SMOOTH = 0.2  # width [s] over which a speed is smoothed before it is differentiated
@@ -31,7 +31,8 @@ class Series:
 def read_series(source: ColumnSource) -> tuple[list[Series], list[Series], dict[str, str]]:
     """Return the columns with a number in every row, those with gaps, and why others are unused."""
     complete, gapped, unused = list[Series](), list[Series](), dict[str, str]()
-    for index, (column, values) in enumerate(zip(source.columns, source.read_all(), strict=True)):
+    arrays = read_each(source.read, range(len(source.columns)))
+    for index, (column, values) in enumerate(zip(source.columns, arrays, strict=True)):
         name = address_of(column, source.columns)
         if isinstance(values, LogError):
             unused[name] = values.problem
@@ -70,7 +71,7 @@ class ColumnClock(NamedTuple):
         """The mean of x (n,) over `SMOOTH`."""
         return centred_mean(x, self.width(SMOOTH) | 1)
 
-    def rate_of(self, speed: Array) -> Array:
+    def derivative(self, speed: Array) -> Array:
         """Derivative of a speed (n,) [unit/s], smoothed over `SMOOTH` before and after."""
         return self.smooth(np.gradient(self.smooth(speed), self.time))
 

@@ -99,10 +99,10 @@ def _find_others(search: Search, clock: ColumnClock) -> None:
     speed = body.find_speed(search, wheels)
     motion = wheels if speed is None else speed
     factor = NOMINAL_RADIUS if speed is None and is_angular else 1.0  # from ``motion`` to m/s
-    rate, clock = clock_and_wheels.keep_moving_rows(search, motion, factor, clock)
-    body.find_acceleration(search, rate, clock)
+    dv_dt, clock = clock_and_wheels.keep_moving_rows(search, motion, factor, clock)
+    body.find_acceleration(search, dv_dt, clock)
     body.refuse_computed(search)
-    body.find_pressure(search, None if rate is None else -rate, clock)
+    body.find_pressure(search, None if dv_dt is None else -dv_dt, clock)
     clock_and_wheels.find_wheel_pressures(search)
     body.find_by_name(search)
 

@@ -65,10 +65,7 @@ def split_wheel(name: str) -> tuple[str | None, str]:
 
 
 def _wheel_in(all_words: list[str]) -> str | None:
-    """The wheel whose abbreviation is among the words, or that an axle beside a side names.
-
-    None if several wheels are abbreviated, or no wheel is named.
-    """
+    """The wheel that is abbreviated among the words, or named by an axle beside a side, or None."""
     wheels = [wheel for wheel, names in _WHEELS.items() if not names.isdisjoint(all_words)]
     if wheels:
         return wheels[0] if len(wheels) == 1 else None

@@ -67,10 +67,7 @@ def _check_sizes(path: Path) -> int:
 
 
 def _object_sizes(file: BinaryIO, end: int, path: Path) -> Iterator[int]:
-    """Yield the unpacked size [bytes] of each object in ``file``, which ends at byte ``end``.
-
-    It includes the bytes that align the next object.
-    """
+    """Yield the unpacked size [bytes] of each object up to byte ``end``, padding included."""
     while (head := file.read(_OBJECT.size)).strip(b"\0"):
         is_object = len(head) == _OBJECT.size and head[:4] == b"LOBJ"
         size, kind = _OBJECT.unpack(head)[1:] if is_object else (0, 0)

@@ -17,16 +17,13 @@ import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 from calib.base.errors import LogError
 from calib.base.extras import need
 from calib.logs.bus.recording import captured, recording, require_dbc
 from calib.logs.channel_map import Databases
 from calib.logs.source import Recording, damaged
-
-if TYPE_CHECKING:
-    import can
 
 
 @dataclass
@@ -145,10 +142,8 @@ def _require_version(head: str, path: Path) -> None:
         raise LogError(f"version {version[1]} of TRC", where=path, expected=expected, do=do)
 
 
-def _whole_frames(
-    messages: "Iterable[can.Message]", ending: str, path: Path
-) -> "Iterator[can.Message]":
-    """Yield the frames. Raises LogError for one with fewer bytes than its length says."""
+def _whole_frames(messages: Iterable[Any], ending: str, path: Path) -> Iterator[Any]:
+    """Yield the frames of python-can. Raises LogError for one shorter than its length says."""
     from can.util import dlc2len
 
     for message in messages:

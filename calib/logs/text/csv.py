@@ -26,10 +26,7 @@ from calib.logs.text.encoding import GZIP, gunzip, text_of, to_utf8
 
 
 def open_csv(data: bytes, where: str, text_format: TextFormat = DETECTED) -> ColumnSource:
-    """Open separated text, compressed by gzip or not; ``where`` is its path.
-
-    Raises LogError for a file without header or rows, with an ambiguous format, or cut off.
-    """
+    """Open separated text, gzip or not. Raises LogError if it is no table, ambiguous or cut off."""
     if data.startswith(GZIP):
         data = gunzip(data, where)
     text = to_utf8(data, where, text_format.encoding)
@@ -122,8 +119,7 @@ class TextRows:
     def _is_shorter(self, cell: str, earlier: list[str]) -> bool:
         """Whether the last cell of a file is shorter than all ``earlier`` cells of its column.
 
-        Decimals are compared if all earlier cells have equally many, or else characters. A cell
-        that was cut may still be as long as others.
+        Decimals are compared if all earlier cells have equally many, or else characters.
         """
         if not earlier:
             return False

@@ -128,8 +128,7 @@ class Layout:
 def layout_of(data: bytes, begin: int, text_format: TextFormat, where: str) -> Layout:
     """Find the layout of the table that begins at byte ``begin`` or after it.
 
-    Of several separators that fit, the one with the most columns of numbers is taken. Raises
-    LogError if no separator fits, or if two give a table that begins in the same row.
+    Raises LogError if no separator fits, or if two give a table that begins in the same row.
     """
     lines, starts = _lines(data, begin)
     sample = sample_of(data, starts[0])
@@ -182,10 +181,7 @@ def _lines(data: bytes, start: int) -> tuple[list[bytes], list[int]]:
 def _layout(
     lines: list[bytes], starts: list[int], sample: list[str], separator: str
 ) -> Layout | None:
-    """Return the layout with this separator, or None if it does not fit.
-
-    A separator fits if the rows of the sample have two columns of numbers, with a header above.
-    """
+    """Return the layout with this separator, or None without a header or two columns of numbers."""
     rows = [row for line in sample if (row := cells_of(line, separator))]
     count = Counter(map(len, rows))  # number of rows by their number of cells
     width = max(count, key=lambda cells: count[cells], default=0)

@@ -108,8 +108,7 @@ def _units(lines: list[str], names: Sequence[str]) -> tuple[dict[int, str], list
 
     A channel is a name that is not standard. The lines may belong to all channels, to those without
     a unit in the name, or to the last channels. The first of these choices is taken whose units
-    agree with those in the names. A note says that the lines were taken for the last channels, or
-    that no choice fits.
+    agree with those in the names.
     """
     standard = tuple(f"{name} " for name in _STANDARD)  # a unit may follow the blank
     channels = [i for i, name in enumerate(names) if not f"{name.lower()} ".startswith(standard)]
