@@ -2,9 +2,10 @@ r"""Make the curves of a table from an ensemble: D(eta), f1(eta) and f2(eta), g(
 
     z --(pads, loads)--> F_f, F_r --tyres--> eta          D = F_f - F_r          for every draw
 
-On a ramp z rises with time, so z is the parameter. Nothing is binned by eta, which is noisy.
+On a ramp z rises with time, so the curves have z as parameter. Nothing is binned by eta, which is
+noisy.
 
-       eta            The rising branch ends at the peak of eta. Beyond it the same eta comes
+       eta            The rising branch ends at the peak of eta. Beyond the peak the same eta comes
         |    __.      again, at a higher z and with another f1: f1 and f2 of Fig. 6 end there.
         |  /    \
         | /
@@ -35,7 +36,7 @@ from calib.table.curves import (
 )
 
 _BAND = (0.5, 0.025, 0.975)  # quantiles: median and the middle 95 %
-_STILL_RISING = 0.00135  # largest share of draws without the peak: 3 standard deviations
+_STILL_RISING = 0.00135  # largest share of draws without a peak: 3 standard deviations
 
 
 def ramp_path(car: Vehicle, e: Ensemble, z: Array) -> SlipPrediction:
@@ -45,14 +46,14 @@ def ramp_path(car: Vehicle, e: Ensemble, z: Array) -> SlipPrediction:
 
 
 def find_peak(path: SlipPrediction) -> tuple[float, float, bool]:
-    """z and eta [1] at the peak of eta, and whether eta falls beyond it in nearly all draws."""
+    """Return z and eta [1] at the peak of eta, and whether nearly all draws fall beyond it."""
     top = int(np.argmax(path.eta))
     falls = np.quantile(path.eta_rise[:, top] - path.eta_rise[:, -1], _STILL_RISING) > 0.0
     return float(path.z[top]), float(path.eta[top]), bool(falls)
 
 
 def readable_up_to(path: SlipPrediction) -> float:
-    """Greatest z [1] up to which eta rises steeply enough for f1(eta) and f2(eta)."""
+    """Return the greatest z [1] up to which eta rises steeply enough for f1(eta) and f2(eta)."""
     slope = np.diff(path.eta)
     flat = np.flatnonzero(slope < SETTINGS.flat * slope[0])
     return float(path.z[flat[0]] if flat.size else path.z[-1])
@@ -61,7 +62,7 @@ def readable_up_to(path: SlipPrediction) -> float:
 def difference_curves(
     car: Vehicle, e: Posterior, runs: list[RampRun], z_end: float
 ) -> tuple[DifferenceCurve, PaperCurves]:
-    """D(eta) up to the deceleration ``z_end`` [1], and f1(eta), f2(eta) of Fig. 6 from D(eta)."""
+    """Return D(eta) up to the deceleration ``z_end`` [1], and f1(eta), f2(eta) of Fig. 6."""
     path = ramp_path(car, e, np.linspace(0.0, z_end, SETTINGS.rows))
     eta = np.linspace(1.0, float(path.eta[-1]), SETTINGS.rows)
     measured = [_measured_eta(car, run, path) for run in runs]
@@ -70,7 +71,7 @@ def difference_curves(
 
 
 def _measured_eta(car: Vehicle, run: RampRun, path: SlipPrediction) -> Array:
-    """Eta [1] of the braked blocks (m,); where motors act, the eta by the brakes alone."""
+    """Return eta [1] of the braked blocks (m,); where motors act, the eta by the brakes alone."""
     b, braked = run.blocks, run.braked
     if np.any(b.drive_f[braked]) or np.any(b.drive_r[braked]):
         z = run.brake_rise[braked] / car.weight / (1.0 + sum(rotating_shares(car)))
@@ -80,7 +81,10 @@ def _measured_eta(car: Vehicle, run: RampRun, path: SlipPrediction) -> Array:
 
 
 def paper_of(car: Vehicle, d: DifferenceCurve, z: Array) -> PaperCurves:
-    """f1(eta), f2(eta) from D(eta), with the loads at ``z`` (k,) [1]; (18) holds exactly."""
+    """Return f1(eta), f2(eta) from D(eta), with the loads at ``z`` (k,) [1].
+
+    f1 = D F_zr/F_z and f2 = -D F_zf/F_z, so (18) holds exactly, and f2 falls where D rises.
+    """
     (f1, f2), (f1_lower, f2_upper), (f1_upper, f2_lower) = (
         paper_curves(car, z, D) for D in (d.D, d.lower, d.upper)
     )
@@ -88,14 +92,14 @@ def paper_of(car: Vehicle, d: DifferenceCurve, z: Array) -> PaperCurves:
 
 
 def tyre_curve(e: Posterior, path: SlipPrediction, runs: list[RampRun]) -> TyreCurve:
-    """Normalised force over slip with half the weight on the axle.
+    """Return the normalised force over slip with half the weight on the axle.
 
     The curve ends at 1.1 times the force at the end of the ramp. The force of a draw is constant
     beyond `NEAR_PEAK` of its peak.
     """
-    greatest = 1.1 * float(np.median(np.max(path.forces, axis=0)[:, -1]))
+    last_force = 1.1 * float(np.median(np.max(path.forces, axis=0)[:, -1]))
     tyres = _tyres(e)
-    end = np.median([np.interp(greatest, force, slip) for slip, force in tyres])
+    end = np.median([np.interp(last_force, force, slip) for slip, force in tyres])
     grid = np.linspace(0.0, float(end), SETTINGS.rows)
     axle_slips = np.median(path.slips, axis=1)  # (2, k)
     measured = [
@@ -106,32 +110,32 @@ def tyre_curve(e: Posterior, path: SlipPrediction, runs: list[RampRun]) -> TyreC
 
 
 def differences(path: SlipPrediction, eta: Array) -> Array:
-    """D of the draws at ``eta`` (k,) on the rising branch of a path, (n, k) [1]."""
+    """Return D of the draws at ``eta`` (k,) on the rising branch of a path, (n, k) [1]."""
     rising = np.maximum.accumulate(1.0 + path.eta_rise, axis=1)
     D = path.forces[0] - path.forces[1]
     return np.array([np.interp(eta, x, y) for x, y in zip(rising, D, strict=True)])
 
 
 def _tyres(e: Ensemble) -> list[tuple[Array, Array]]:
-    """Slip and normalised force (k,), up to `NEAR_PEAK`, of the axles' mean tyre, for each draw."""
-    use = np.linspace(0.0, NEAR_PEAK, 2 * SETTINGS.rows)
-    reach = e.peak * np.sqrt(e.compliance_f * e.compliance_r)
-    slips = reach[:, None] * (inverse_forms(use) @ e.forms.T).T
+    """Return slip and normalised force (k,), up to `NEAR_PEAK`, of each draw's mean tyre."""
+    use = np.linspace(0.0, NEAR_PEAK, 2 * SETTINGS.rows)  # force over its peak
+    slip_scale = e.peak * np.sqrt(e.compliance_f * e.compliance_r)
+    slips = slip_scale[:, None] * (inverse_forms(use) @ e.forms.T).T
     return list(zip(slips, e.peak[:, None] * use, strict=True))
 
 
 def _columns(grid: Array, draws: Array, e: Posterior, measured: list[Array]) -> tuple[Array, ...]:
-    """Columns (k,) of a curve over ``grid`` (k,), in the order of the curve's record.
+    """Return the columns (k,) of a curve over ``grid`` (k,), in the order of the curve's record.
 
-    These are the grid; median, lower and upper bound of ``draws`` (n, k); the count of blocks near
-    each row, by their ``measured`` places on the grid's axis; a flag; and the share of the variance
-    that would differ on another run.
+    These are the grid; median, lower and upper bound of ``draws`` (n, k); the number of blocks with
+    a ``measured`` value near each row; a flag; and the share of the variance that would differ on
+    another run.
     """
     distance = np.abs(np.concatenate(measured) - grid[:, None])
     count = np.count_nonzero(distance < 1.5 * (grid[1] - grid[0]), axis=1).astype(np.float64)
     enough = count >= SETTINGS.min_count
     flags = np.full(grid.size, EXTRAPOLATED)
-    # the first row is known: D and force are 0 there
+    # below the last measured row all are interpolated: in the first row D and force are known, 0
     flags[: np.max(np.flatnonzero(enough), initial=-1) + 1] = INTERPOLATED
     flags[enough] = MEASURED
     parts = parts_of(draws.T, e.pulls)

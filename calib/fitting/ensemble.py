@@ -1,9 +1,10 @@
 """Draws of a car's unknowns (tyres, pads, loads, radii), and eta and slip that each draw predicts.
 
-    Ensemble --loaded_tyres--> LoadedTyres --slips--> slips over compliance --wheel_slips--> slips
+    Ensemble --loaded_tyres--> LoadedTyres --unit_slips--> unit slips --wheel_slips--> slips
 
-`predict_slips` does these steps at once. Valid for quasi-static loads, not while the body pitches,
-and below the peak of the tyre. Shapes: n draws, k decelerations, 2 axles (front, rear).
+Unit slips are slips over the compliance at half the weight. `predict_slips` does
+these steps at once. They hold for quasi-static loads (not while the body pitches) and below the
+peak of the tyre. Shapes: n draws, k decelerations, 2 axles (front, rear).
 """
 
 from dataclasses import dataclass, fields
@@ -26,31 +27,29 @@ TABLE_DRAWS = 400
 """Draws that a table stores: they give a standard deviation to 4 %."""
 
 _LEAST_LOAD = 1e-3  # load of an axle over the weight, below which the axle lifts [1]
-_STICKS = 0.3  # slip below which a tyre does not slide [1]
+_SLIDING = 0.3  # slip from which on a tyre slides [1]
 
 
 @dataclass(frozen=True)
 class Ensemble:
-    """Equally likely draws of a car, one in each row; the columns are those of `Draws`.
+    """Equally likely draws of a car, one in each row. Shapes (n,), unit [1], or as said.
 
-    `calib.table.maps.Draws` explains them. Other than there, ``cg_to_front_axle`` and ``cg_height``
-    are over those of the vehicle file [1]. ``depart_eta`` and ``depart_slip`` (n, 10), relative
-    discrepancies of the tyre form, are at `DEPART_AT`.
+    `calib.table.maps.Draws` has the same columns, but the two lengths in m.
     """
 
-    forms: Array
-    load_exponent: Array
-    peak_load_exponent: Array
-    peak: Array
-    log_pad_ratio: Array
-    cg_to_front_axle: Array
-    cg_height: Array
-    compliance_f: Array
+    forms: Array  # weights of `calib.car.tyre_forms` (n, 5)
+    load_exponent: Array  # with which the compliance grows with the load
+    peak_load_exponent: Array  # with which the peak falls with the load
+    peak: Array  # largest normalised force at half the weight
+    log_pad_ratio: Array  # ln of the pads' ratio, front over rear, over that of the vehicle file
+    cg_to_front_axle: Array  # over that of the vehicle file
+    cg_height: Array  # over that of the vehicle file
+    compliance_f: Array  # slip per normalised force at small slip and half the weight
     compliance_r: Array
-    radius_load: Array
-    v_late: Array
-    depart_eta: Array
-    depart_slip: Array
+    radius_load: Array  # relative fall of a rolling radius per 100 % of load
+    v_late: Array  # delay of v after the wheel speeds [s]
+    depart_eta: Array  # relative discrepancy of eta - 1 at `DEPART_AT` (n, 10)
+    depart_slip: Array  # relative discrepancy of the mean slip at `DEPART_AT` (n, 10)
 
     @property
     def size(self) -> int:
@@ -77,7 +76,7 @@ _LENGTHS = ("cg_to_front_axle", "cg_height")
 
 
 def draws_of(car: Vehicle, e: Ensemble, pads: Calibration) -> Draws:
-    """`TABLE_DRAWS` draws for a table; the level of the ``pads`` is drawn independently."""
+    """Return `TABLE_DRAWS` draws for a table. The level of the ``pads`` is drawn independently."""
     stored = e.take(np.linspace(0, e.size - 1, TABLE_DRAWS).astype(np.int64))
     lengths = {name: getattr(stored, name) * getattr(car, name) for name in _LENGTHS}
     columns = vars(stored) | lengths
@@ -87,27 +86,18 @@ def draws_of(car: Vehicle, e: Ensemble, pads: Calibration) -> Draws:
 
 
 def ensemble_of(car: Vehicle, draws: Draws) -> Ensemble:
-    """The ensemble of the draws that a table of ``car`` stores."""
+    """Return the ensemble of the draws that a table of ``car`` stores."""
     columns = vars(draws) | {name: getattr(draws, name) / getattr(car, name) for name in _LENGTHS}
     return Ensemble(**{f.name: columns[f.name] for f in fields(Ensemble)})
-
-
-class _UnitSlips(NamedTuple):
-    """Slips and loads of the axles by draw, (2, n, k) [1]."""
-
-    slip: Array  # over the compliance (..., 2, n, k)
-    load: Array  # over the weight
-    load_rise: Array  # change of the load over the load at rest, which changes the radii
-    rolls: Mask  # whether both axles are on the road and below the peaks of tyres (..., n, k)
 
 
 class LoadedTyres(NamedTuple):
     """Tyres of draws under their axle loads, (2, n, k) [1]."""
 
-    load: Array  # over the weight
-    on_road: Array  # the same, but at least `_LEAST_LOAD`
-    load_rise: Array  # change of the load over the load at rest
-    peak: Array  # of the normalised force
+    load: Array  # over the weight of the car
+    positive_load: Array  # the load, but at least `_LEAST_LOAD`
+    load_rise: Array  # change of the load over the load at rest, which changes the radii
+    peak: Array  # largest normalised force
     compliance: Array  # over the compliance at half the weight
     forms: Array  # weights of the tyre forms (n, 5)
 
@@ -115,29 +105,32 @@ class LoadedTyres(NamedTuple):
         """Return the tyres of these ``draws``."""
         return LoadedTyres(*(np.take(x, draws, axis=-2) for x in self))
 
-    def slips(self, forces: Array) -> _UnitSlips:
-        """Slips over compliance by (15), (16); tyre ``forces`` over the weight (..., 2, n, k)."""
-        use = forces / self.on_road / self.peak
+    def unit_slips(self, forces: Array) -> tuple[Array, Mask]:
+        """Return unit slips by (15), (16), (..., 2, n, k) [1], and whether both axles roll.
+
+        ``forces`` of the tyres over the weight (..., 2, n, k). An axle rolls where it is on the
+        road and below the peak of its tyres, (..., n, k).
+        """
+        use = forces / self.positive_load / self.peak
         unit = mean_inverse(use, self.forms)
-        return _UnitSlips(
-            slip=self.peak * unit * self.compliance,
-            load=self.load,
-            load_rise=self.load_rise,
-            rolls=np.all((use < NEAR_PEAK) & (self.load > _LEAST_LOAD), axis=-3),
-        )
+        rolls = np.all((use < NEAR_PEAK) & (self.load > _LEAST_LOAD), axis=-3)
+        return self.peak * unit * self.compliance, rolls
 
 
 def loaded_tyres(car: Vehicle, e: Ensemble, z: Array, peak: Array | float = 1.0) -> LoadedTyres:
-    """Tyres of draws at decelerations ``z`` (n, k) [1]; ``peak`` is over that of the ramp, (n,)."""
+    """Return the tyres of draws at decelerations ``z``, (k,) or (n, k) [1].
+
+    ``peak`` of the road over that of the ramp, (n,) [1].
+    """
     L = car.wheelbase
     l_f = (e.cg_to_front_axle * car.cg_to_front_axle)[:, None]
     moved = (e.cg_height * car.cg_height)[:, None] * z
     load = np.stack([L - l_f + moved, l_f - moved]) / L  # (6), (7)
-    on_road = np.maximum(load, _LEAST_LOAD)
-    log_load = np.log(2.0 * on_road)  # over half the weight
+    positive_load = np.maximum(load, _LEAST_LOAD)
+    log_load = np.log(2.0 * positive_load)  # over half the weight
     return LoadedTyres(
         load=load,
-        on_road=on_road,
+        positive_load=positive_load,
         load_rise=load * L / np.stack([L - l_f, l_f]) - 1.0,
         peak=(e.peak * peak)[:, None] * np.exp(-e.peak_load_exponent[:, None] * log_load),
         compliance=np.exp(e.load_exponent[:, None] * log_load),
@@ -145,20 +138,22 @@ def loaded_tyres(car: Vehicle, e: Ensemble, z: Array, peak: Array | float = 1.0)
     )
 
 
-def wheel_slips(e: Ensemble, unit: _UnitSlips, softer: Array | float = 1.0) -> tuple[Array, Array]:
-    """True slips of the tyres, and the apparent slips by the wheel speeds, (2, n, k) [1].
+def wheel_slips(
+    e: Ensemble, tyres: LoadedTyres, unit_slips: Array, softer: Array | float = 1.0
+) -> tuple[Array, Array]:
+    """Return true slips of the tyres, and apparent slips by the wheel speeds, (2, n, k) [1].
 
-    They differ since a wheel whose radius fell with its load turns faster. ``softer`` is the
-    compliance over that on the ramp, (2, n, 1).
+    They differ since a wheel whose radius fell with its load turns faster. ``unit_slips`` are those
+    of ``tyres``; ``softer`` is the compliance over that on the ramp, (2, n, 1).
     """
-    slips = softer * np.stack([e.compliance_f, e.compliance_r])[..., None] * unit.slip
-    return slips, 1.0 - (1.0 - slips) * np.exp(e.radius_load[:, None] * unit.load_rise)
+    slips = softer * np.stack([e.compliance_f, e.compliance_r])[..., None] * unit_slips
+    return slips, 1.0 - (1.0 - slips) * np.exp(e.radius_load[:, None] * tyres.load_rise)
 
 
 class SlipPrediction(NamedTuple):
     """Predicted eta and slips of a braking, by draw, (n, k) [1].
 
-    ``eta_rise`` and ``slip`` are zeroed on the lead-in and include the discrepancy of the form.
+    ``eta_rise`` and ``slip`` are zero on the lead-in, and include the discrepancy of the tyre form.
     """
 
     z: Array  # decelerations (k,)
@@ -166,7 +161,7 @@ class SlipPrediction(NamedTuple):
     slip: Array  # mean of the apparent slips of the axles, weighed by load
     forces: Array  # of the tyres, over the loads of the vehicle file (2, n, k)
     slips: Array  # true slips of the tyres (2, n, k)
-    rolls: Mask  # whether both axles are on the road and no tyre is beyond its peak or slides
+    rolls: Mask  # whether both axles roll, see `LoadedTyres.unit_slips`, and no tyre slides
 
     @property
     def eta(self) -> Array:
@@ -186,34 +181,36 @@ def predict_slips(
 ) -> SlipPrediction:
     """Predict eta and slips where the brakes alone slow the car.
 
-    ``brake`` force of both axles over the weight, and ``log_ratio`` of the pads as in
-    `front_share`, both of a shape that broadcasts to (n, k); ``z`` (k,) measured deceleration, at
-    which the discrepancies are read; all [1]. ``peak`` as in `loaded_tyres`, ``softer`` as in
+    The force ``brake`` of both axles is over the weight, ``log_ratio`` of the pads is that of
+    `front_share`; both broadcast to (n, k). The discrepancies are read at the measured
+    decelerations ``z`` (k,). All are [1]. ``peak`` as in `loaded_tyres`, ``softer`` as in
     `wheel_slips`.
     """
-    slowed = brake / (1.0 + sum(rotating_shares(car)))  # deceleration by the brakes alone [1]
-    tyres = np.stack(tyre_forces(car, front_share(car, log_ratio), brake, slowed))
-    unit = loaded_tyres(car, e, slowed, peak).slips(tyres)
-    slips, apparent = wheel_slips(e, unit, softer)
+    z_brakes = brake / (1.0 + sum(rotating_shares(car)))  # deceleration by the brakes alone [1]
+    forces = np.stack(tyre_forces(car, front_share(car, log_ratio), brake, z_brakes))
+    tyres = loaded_tyres(car, e, z_brakes, peak)
+    unit_slips, rolls = tyres.unit_slips(forces)
+    slips, apparent = wheel_slips(e, tyres, unit_slips, softer)
     # weights (10, k) that interpolate linearly from `DEPART_AT` to z
     between = np.stack([np.interp(z, DEPART_AT, hat) for hat in np.eye(DEPART_AT.size)])
     return SlipPrediction(
         z=z,
         eta_rise=(speed_ratio(*apparent) - 1.0) * (1.0 + e.depart_eta @ between),
-        slip=np.sum(unit.load * apparent, axis=0) * (1.0 + e.depart_slip @ between),
-        forces=tyres / np.stack(axle_loads(car, np.atleast_2d(slowed))) * car.weight,
+        slip=np.sum(tyres.load * apparent, axis=0) * (1.0 + e.depart_slip @ between),
+        forces=forces / np.stack(axle_loads(car, np.atleast_2d(z_brakes))) * car.weight,
         slips=slips,
-        rolls=unit.rolls & np.all(slips < _STICKS, axis=0),
+        rolls=rolls & np.all(slips < _SLIDING, axis=0),
     )
 
 
 def spread_evenly(count: int, dimension: int) -> Array:
-    """Points (count, dimension) in the open unit cube: a low-discrepancy sequence.
+    """Return points (count, dimension) in the open unit cube: a low-discrepancy sequence.
 
-    Additive recurrence with the powers of the root of x^(d+1) = x + 1 (Roberts 2018).
+    Point i is i (1/r, 1/r^2, ..., 1/r^d) modulo 1, with the root r of r^(d+1) = r + 1 (Roberts
+    2018, "The unreasonable effectiveness of quasirandom sequences").
     """
     root = 2.0
-    for _ in range(50):
+    for _ in range(50):  # the fixed-point iteration converges to the last bit
         root = (1.0 + root) ** (1.0 / (dimension + 1))
     steps = root ** -np.arange(1.0, dimension + 1)
     points = (0.5 + np.arange(1, count + 1)[:, None] * steps) % 1.0

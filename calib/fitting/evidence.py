@@ -1,12 +1,13 @@
 """The evidence of a hypothesis on ramps or stops: how well it predicts eta, slip and forces.
 
-It has two factors, with the nominal brake force N:
+The evidence is a product of two likelihoods, with the nominal brake force N:
 
     brake force = level N(pressure) (1 + discrepancy) + force of the mistake     by a_x, (5), (17)
     forces of the axles --tyres--> slips -> eta                            by the wheels, (13)-(22)
 
-Their product is averaged over draws of pads and tyres and over sizes of the mistake. Evidence times
-prior odds gives the odds of a hypothesis, see `Cause`.
+`_SumOfForces` has the first, `calib.fitting.regression` the second. `Evidence` averages their
+product over draws of pads and tyres and over sizes of the mistake; times the prior odds, it gives
+the odds of a `Cause`.
 """
 
 import copy
@@ -14,6 +15,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -30,19 +32,19 @@ from calib.run.filters import GroupMean
 
 _DRAWS = 512  # draws of pads and tyres
 _ANY_PADS = 0.5  # standard deviation of ln of the pads' ratio of the draws [1]
-_POINTS = 14  # means of the sum of forces on a ramp
+_POINTS = 14  # means of the sum of forces on a ramp, at most
 _TREND = 0.05  # standard deviation of the change of the pads' level over a ramp [1]
 _DISCREPANCY, _LENGTH = 0.015, 0.15
 """Discrepancy of pads from a constant friction [1], and its correlation length in z [1]."""
 _ZERO = 0.002  # standard deviation of the zero of the sum of forces over the weight [1]
 
-_LIKELY, _FIRST = 32, 64  # draws that screen mistakes: the likeliest with other pads, the first
-SCREENING_ERROR = 4.0  # largest error of ln of the odds by these draws, for odds that may decide
+_LIKELY, _FIRST = 32, 64  # draws that screen mistakes: the likeliest ones, and the first ones
+SCREENING_ERROR = 4.0  # error of ln of the odds by these draws, at most where the odds can decide
 NEVER = -1e6  # ln of the odds of a hypothesis that no draw explains
-_NEAR = 6.0  # ln of the odds against a mistake from which on only its first sizes are tried
-_STEP, _TRIALS, _CHANGE = 0.05, 40, 0.01
-"""Search of the best size: first step over the range of sizes [1], largest number of trials, and
-change of ln of the evidence at which it ends."""
+_NEAR = 6.0  # a mistake further below "nothing wrong" is tried at its first sizes only [ln]
+_STEP = 0.05  # first step of the search of the best size, over the range of sizes [1]
+_TRIALS = 40  # largest number of sizes that the search tries
+_CHANGE = 0.01  # change of ln of the evidence at which the search ends
 
 
 @dataclass(frozen=True)
@@ -56,12 +58,20 @@ class Cause:
 
 
 _BySize = dict[Size, tuple[float, float]]
-"""By size of a mistake: ln of the evidence, and mean square of the best draw's residuals."""
+"""By size of a mistake: ln of the evidence, and the `Cause.misfit`."""
+
+
+class _Level(NamedTuple):
+    """What the sum of forces of a run, or of several runs, says."""
+
+    log_evidence: float  # ln of the evidence, a sum over the runs
+    log_level: float  # ln of the pads' level, a mean over the runs [1]
+    square: float  # sum of squared residuals over their errors [1]
 
 
 @cache
 def _draws(other_road: bool) -> tuple[Ensemble, Array, Array]:
-    """`draw_cars` by the default prior, but with any pads' ratio.
+    """Return `draw_cars` by the default prior, but with wide pads' ratios.
 
     With ``other_road`` every second draw is on another road, as a stop may be.
     """
@@ -75,8 +85,8 @@ def _draws(other_road: bool) -> tuple[Ensemble, Array, Array]:
         on_other = np.arange(e.size) % 2
         normal_peak = (np.log(e.peak) - CAR.peak.mean) / CAR.peak.sigma
         log_peak = np.where(on_other, mean + sigma * normal_peak, np.log(e.peak))
-        stiff = STOP.log_stiffness.mean[1] + STIFFENING * (log_peak - math.log(DRY_PEAK))
-        softer = np.where(on_other, np.exp(-stiff), 1.0)
+        stiffer = STOP.log_stiffness.mean[1] + STIFFENING * (log_peak - math.log(DRY_PEAK))
+        softer = np.where(on_other, np.exp(-stiffer), 1.0)
         centre[:, :2] *= softer[:, None]
         root[:, :2] *= softer[:, None, None]
         e = replace(e, peak=np.exp(log_peak))
@@ -84,7 +94,7 @@ def _draws(other_road: bool) -> tuple[Ensemble, Array, Array]:
 
 
 def _log_mean(x: Array) -> float:
-    """ln of the mean of exp ``x`` (n,)."""
+    """Return ln of the mean of exp ``x`` (n,)."""
     largest = float(x.max())
     if not math.isfinite(largest):
         return largest
@@ -92,25 +102,25 @@ def _log_mean(x: Array) -> float:
 
 
 class _SumOfForces:
-    """The brake force of a run by its deceleration, as means over groups of its braked blocks.
+    """The brake force of a run by its deceleration, as means over k groups of its braked blocks.
 
-    Model, with the force less its zero on the lead-in, over the weight, and a free level:
+    The force is less its zero on the lead-in, and over the weight. Its level is free:
 
         brake force = level N(pressure) (1 + discrepancy + trend) + noise
 
-    ``relative`` is the covariance of discrepancy and trend, ``absolute`` that of noise and zero;
-    ``white`` whitens the force, ``unit`` is the whitened N, ``information`` its sum of squares, and
-    ``log`` the part of ln of the evidence without the residuals.
+    ``relative`` is the covariance (k, k) of discrepancy and trend, ``absolute`` that of noise and
+    zero. ``white`` (k, k) whitens the force, ``unit`` (k,) is the whitened N, ``information`` its
+    sum of squares, and ``log`` the part of ln of the evidence without the residuals.
     """
 
     def __init__(self, car: Vehicle, run: RampRun) -> None:
         self.car, self.run = car, run
         b, braked = run.blocks, np.flatnonzero(run.braked)
         self._mean = GroupMean(np.array_split(braked, min(_POINTS, braked.size)))
-        self.z, time, length = self._mean(b.z), self._mean(b.end), self._mean.sizes * b.length
-        along = (time - time.mean()) / max(float(np.ptp(time)), b.length)
-        near = np.exp(-0.5 * ((self.z[:, None] - self.z) / _LENGTH) ** 2)
-        self.relative = _DISCREPANCY**2 * near + np.outer(along, along) * _TREND**2
+        z, time, length = self._mean(b.z), self._mean(b.end), self._mean.sizes * b.length
+        along = (time - time.mean()) / max(float(np.ptp(time)), b.length)  # -1/2 to 1/2
+        correlation = np.exp(-0.5 * ((z[:, None] - z) / _LENGTH) ** 2)
+        self.relative = _DISCREPANCY**2 * correlation + np.outer(along, along) * _TREND**2
         self.absolute = np.diag(run.noise.z**2 / length) + _ZERO**2
         self._read_pressures(run)
 
@@ -124,11 +134,8 @@ class _SumOfForces:
         self.information = float(self.unit @ self.unit)
         self.log = -0.5 * math.log(self.information) - float(np.log(np.diag(root)).sum())
 
-    def evidence(self, run: RampRun) -> tuple[float, float, float]:
-        """ln of the evidence of ``run``, ln of the pads' level, sum of squared residuals.
-
-        ``run`` is a variant of the measured run.
-        """
+    def read(self, run: RampRun) -> _Level:
+        """Return what the forces of ``run`` say, a variant of the measured run."""
         sums = self
         if run.blocks.p_r is not self.run.blocks.p_r:
             sums = copy.copy(self)
@@ -139,61 +146,57 @@ class _SumOfForces:
         level = float(sums.unit @ forces) / sums.information
         residual = forces - level * sums.unit
         square = float(residual @ residual)
-        return sums.log - 0.5 * square, math.log(max(level, 1e-2)), square
+        return _Level(sums.log - 0.5 * square, math.log(max(level, 1e-2)), square)
 
 
 class Evidence:
-    """Evidence of hypotheses on the ramps of a car, or on stops that may be on an ``other_road``.
-
-    It has draws of pads and tyres with their loaded tyres, the regression by the wheels, and the
-    sum of forces of each run. `sums_as_read` and `as_read` are the results of sums and regression
-    without a mistake.
-    """
+    """Evidence of hypotheses on ramps of a car, or on stops that may be on an ``other_road``."""
 
     def __init__(self, car: Vehicle, runs: Sequence[RampRun], other_road: bool) -> None:
-        self.car, self.runs, self.draws = car, runs, _draws(other_road)
-        self.regression, self.share = Regression(car, list(runs)), front_share(car, 0.0)
-        self.loaded = self.regression.loaded(self.draws[0])
-        self.sums = [_SumOfForces(car, run) for run in runs]
-        self.sums_as_read = self._of_sums(runs)
-        self.as_read = self.regression.solve(*self.draws, self.loaded)
+        self._runs, self._draws = runs, _draws(other_road)
+        self._regression, self._share = Regression(car, list(runs)), front_share(car, 0.0)
+        self._loaded = self._regression.loaded(self._draws[0])
+        self._sums = [_SumOfForces(car, run) for run in runs]
+        # level and solution of the runs as they were measured
+        self._level = self._level_of(runs)
+        self._solution = self._regression.solve(*self._draws, self._loaded)
 
     def screened(self, mistakes: Sequence[Hypothesis], pads: Sequence[Cause]) -> list[Cause]:
-        """Odds of ``mistakes`` by the draws that are likeliest with other pads, and the first ones.
+        """Return the causes of ``mistakes`` by few draws: likely ones with other pads, and others.
 
         ``pads`` are the hypotheses on pads by all draws, "nothing wrong" first. The odds are scaled
         so that the best of ``pads`` keeps its odds.
         """
-        _, level, _ = self.sums_as_read
-        priors = [self._prior(level, self.draws[0].log_pad_ratio, c.hypothesis.pads) for c in pads]
-        likely = np.argsort(-self.as_read.log_evidence - np.max(priors, axis=0), kind="stable")
-        screening = self._with_draws(np.union1d(likely[:_LIKELY], np.arange(_FIRST)))
-        by_pads = [screening.of_pads(c.hypothesis).log_odds for c in pads]
+        priors = [self._log_prior(self._level.log_level, c.hypothesis.pads) for c in pads]
+        by_draw = self._solution.log_evidence + np.max(priors, axis=0)
+        likely = np.argsort(-by_draw, kind="stable")[:_LIKELY]
+        screening = self._with_draws(np.union1d(likely, np.arange(_FIRST)))
+        by_pads = [screening.cause_of_pads(c.hypothesis).log_odds for c in pads]
         nothing, best = by_pads[0], max(by_pads)
         correction = max(c.log_odds for c in pads) - best
         # a mistake far worse than other pads at the listed sizes is not searched between them
         search_from = 0.5 * (nothing + best)
-        causes = screening.of_mistakes(mistakes, nothing - SCREENING_ERROR, search_from)
+        causes = screening.causes_of(mistakes, nothing - SCREENING_ERROR, search_from)
         return [replace(cause, log_odds=cause.log_odds + correction) for cause in causes]
 
     def _with_draws(self, rows: Index) -> "Evidence":
-        """The same evidence by these ``rows`` of the draws."""
-        evidence, (e, centre, root) = copy.copy(self), self.draws
-        evidence.draws = e.take(rows), centre[rows], root[rows]
-        evidence.loaded = [tyres.take(rows) for tyres in self.loaded]
-        evidence.as_read = self.as_read.take(rows)
+        """Return the evidence by these ``rows`` of the draws."""
+        evidence, (e, centre, root) = copy.copy(self), self._draws
+        evidence._draws = e.take(rows), centre[rows], root[rows]
+        evidence._loaded = [tyres.take(rows) for tyres in self._loaded]
+        evidence._solution = self._solution.take(rows)
         return evidence
 
-    def of_pads(self, h: Hypothesis) -> Cause:
-        """The cause of a hypothesis on the pads alone."""
-        return self._cause(h, {(): self._weighed(h, self.sums_as_read, self.as_read)})
+    def cause_of_pads(self, h: Hypothesis) -> Cause:
+        """Return the cause of a hypothesis on the pads alone."""
+        return self._cause(h, {(): self._weighed(h, self._level, self._solution)})
 
-    def of_mistakes(
+    def causes_of(
         self, mistakes: Sequence[Hypothesis], nothing: float, search_from: float
     ) -> list[Cause]:
-        """The causes of ``mistakes``, where ``nothing`` is ln of the evidence of "nothing wrong".
+        """Return the causes of ``mistakes``; ``nothing`` is ln of the odds of "nothing wrong".
 
-        The size of a mistake is searched for between the listed sizes if ln of its odds is above
+        The best size is searched for between the listed sizes if ln of its odds is above
         ``search_from``.
         """
         by_size = self._by_size([(h, size) for h in mistakes for size in h.first])
@@ -201,11 +204,11 @@ class Evidence:
         pairs = [(h, size) for h in likely for size in h.sizes if size not in by_size[h]]
         for h, further in self._by_size(pairs).items():
             tried = by_size[h] | further
-            by_size[h] = {size: tried[size] for size in h.sizes}
+            by_size[h] = {size: tried[size] for size in h.sizes}  # equally likely ones alone
         return [self._cause(h, sizes, search_from) for h, sizes in by_size.items()]
 
     def _cause(self, h: Hypothesis, by_size: _BySize, search_from: float = math.inf) -> Cause:
-        """The cause of a hypothesis: the mean of its evidence over sizes, and the best size."""
+        """Return the cause of a hypothesis: the mean of its evidence over sizes, the best size."""
         size = max(by_size, key=lambda size: by_size[size][0])
         if by_size[size][0] + math.log(h.odds) > search_from:
             del by_size[size]  # the better size nearby takes its place in the mean
@@ -216,7 +219,7 @@ class Evidence:
         return Cause(h, max(log_odds, NEVER), size, by_size[size][1])
 
     def _best_near(self, h: Hypothesis, size: Size) -> Size:
-        """The most probable size near ``size``, within the range of all sizes.
+        """Return the most probable size near ``size``, within the range of all sizes.
 
         Probable sizes of two numbers lie on a narrow ridge between the listed sizes.
         """
@@ -231,47 +234,45 @@ class Evidence:
             return -self._by_size([(h, tried)])[h][tried][0]
 
         inward = np.where(start > 0.5 * (low + high), -_STEP, _STEP) * (high - low)
-        first = np.vstack([start, start + np.diag(inward)])
-        options = {"maxfev": _TRIALS, "fatol": _CHANGE, "xatol": math.inf, "initial_simplex": first}
+        simplex = np.vstack([start, start + np.diag(inward)])
+        options = {
+            "maxfev": _TRIALS, "fatol": _CHANGE, "xatol": math.inf, "initial_simplex": simplex,
+        }  # fmt: skip
         best = minimize(minus_log_evidence, start, method="Nelder-Mead", options=options)
         return tuple(best.x.tolist())
 
     def _by_size(self, pairs: Sequence[tuple[Hypothesis, Size]]) -> "dict[Hypothesis, _BySize]":
-        """`_BySize` of each hypothesis in ``pairs`` of hypothesis and size."""
-        undone = [[h.undo(run, size) for run in self.runs] for h, size in pairs if h.undo]
+        """Return `_BySize` of each hypothesis in ``pairs`` of hypothesis and size."""
+        undone = [[h.undo(run, size) for run in self._runs] for h, size in pairs if h.undo]
         if not undone:
             return {}
-        solutions = self.regression.with_forces_of(undone).solve(*self.draws, self.loaded)
+        solutions = self._regression.with_forces_of(undone).solve(*self._draws, self._loaded)
         by_size: dict[Hypothesis, _BySize] = {h: {} for h, _ in pairs}
         for i, (h, size) in enumerate(pairs):
-            by_size[h][size] = self._weighed(h, self._of_sums(undone[i]), solutions.take(i))
+            by_size[h][size] = self._weighed(h, self._level_of(undone[i]), solutions.take(i))
         return by_size
 
-    def _weighed(
-        self, h: Hypothesis, sums: tuple[float, float, float], solution: Solution
-    ) -> tuple[float, float]:
-        """ln of the evidence of one size, and the mean square of the best draw's residuals.
-
-        ``sums`` are those of `_of_sums`, ``solution`` is that of the regression.
-        """
-        log, level, square = sums
-        by_draw = solution.log_evidence + self._prior(level, self.draws[0].log_pad_ratio, h.pads)
+    def _weighed(self, h: Hypothesis, level: _Level, solution: Solution) -> tuple[float, float]:
+        """Return ln of the evidence of one size, a mean over the draws, and the `Cause.misfit`."""
+        by_draw = solution.log_evidence + self._log_prior(level.log_level, h.pads)
         residual = solution.residual(int(np.argmax(by_draw)))
-        square += float(residual @ residual)
-        return _log_mean(by_draw) + log, square / (residual.size + _POINTS * len(self.runs))
+        square = level.square + float(residual @ residual)
+        misfit = square / (residual.size + _POINTS * len(self._runs))
+        return _log_mean(by_draw) + level.log_evidence, misfit
 
-    def _of_sums(self, runs: Sequence[RampRun]) -> tuple[float, float, float]:
-        """`_SumOfForces.evidence` of all ``runs``: sum of ln, mean of the level, sum of squares."""
-        by_run = [forces.evidence(run) for forces, run in zip(self.sums, runs, strict=True)]
+    def _level_of(self, runs: Sequence[RampRun]) -> _Level:
+        """Return what the forces of all ``runs`` say."""
+        by_run = [forces.read(run) for forces, run in zip(self._sums, runs, strict=True)]
         log, level, square = zip(*by_run, strict=True)
-        return sum(log), float(np.mean(level)), sum(square)
+        return _Level(sum(log), float(np.mean(level)), sum(square))
 
-    def _prior(self, level: float, ratio: Array, pads: tuple[float, float]) -> Array:
-        """ln of the prior density of ``level`` and ``ratio`` (n,), over that of the draws.
+    def _log_prior(self, log_level: float, pads: tuple[float, float]) -> Array:
+        """Return ln of the prior density of level and ratio (n,), over that of the draws.
 
         ``pads`` as in `Hypothesis`. Level and ratio give ln of the friction of each axle's pads.
         """
-        front = (level + (1.0 - self.share) * ratio) / pads[0]
-        rear = (level - self.share * ratio) / pads[1]
-        by_draws = -0.5 * (ratio / _ANY_PADS) ** 2 - math.log(_ANY_PADS)
+        log_ratio = self._draws[0].log_pad_ratio
+        front = (log_level + (1.0 - self._share) * log_ratio) / pads[0]
+        rear = (log_level - self._share * log_ratio) / pads[1]
+        by_draws = -0.5 * (log_ratio / _ANY_PADS) ** 2 - math.log(_ANY_PADS)
         return np.asarray(-by_draws - 0.5 * (front**2 + rear**2) - math.log(pads[0] * pads[1]))

@@ -107,7 +107,7 @@ def fit(
     priors = informative_priors(driven, tyre, fleet or {})
     ramps, coasts, stops = sort_runs([Run(log, driven) for log in logs])
     car = ramps[0].car
-    runs, braked, resistance = _ready(car, ramps, coasts, stops)
+    runs, runs_of_stops, resistance = _ready(car, ramps, coasts, stops)
     warnings = unexplained(warnings_of(vehicle, ramps, coasts, resistance))
     where = ", ".join(run.log.source for run in ramps)
     refused = partial(LogError, where=where, lines=tuple(map(str, warnings)))
@@ -118,7 +118,7 @@ def fit(
     mistakes = unexplained(_mistakes(causes, full, refused), warnings)
     moves_eta = [warning for warning in warnings if warning.code in MOVE_ETA]
     ensemble, figures = explained(car, runs, ratio_prior, priors, refused, [*mistakes, *moves_eta])
-    ensemble, by_stops = learn(car, ensemble, braked)
+    ensemble, by_stops = learn(car, ensemble, runs_of_stops)
     support = list(zip(priors, ensemble.prior_support.tolist(), strict=True))
     quarter = ensemble.take_with_pulls(slice(None, None, 4))  # enough draws for curves
     path, z_end = _path(car, quarter, full, refused)
@@ -161,7 +161,7 @@ def fit(
 def _mistakes(
     causes: Sequence[Cause], runs: Sequence[RampRun], refused: Callable[..., LogError]
 ) -> tuple[PlausibilityWarning, ...]:
-    """Warnings of mistakes that explain the ramps. Raises ``refused`` for a certain mistake."""
+    """Return warnings of mistakes that explain the ramps. Raises ``refused`` for a certain one."""
     mistakes, logs = tuple(measured(causes)), ", ".join(run.name for run in runs)
     refusals = rule_warnings(logs, mistakes, FIT, (REFUSE,)) if certain(causes) else ()
     if refusals:
@@ -177,7 +177,7 @@ def _ready(
 ) -> tuple[list[RampRun], list[RampRun], Resistance]:
     """Return ramps and stops ready to fit, and the resistance by ramps and coasts.
 
-    The accelerometers are corrected first, with the usual resistance and its spread.
+    The accelerometers are corrected first, with the resistance of usual cars and its spread.
     """
     usual = identify_resistance(car, ())
     sensors = {run: run.accelerometer(usual) for run in (*ramps, *coasts, *stops)}
@@ -191,7 +191,7 @@ def _ready(
 def _path(
     car: Vehicle, e: Posterior, runs: list[RampRun], refused: Callable[..., LogError]
 ) -> tuple[SlipPrediction, float]:
-    """Eta and slips of the draws up to the highest z, and the z up to which eta rises [1].
+    """Return eta and slips of the draws up to the highest z, and the z up to which eta rises [1].
 
     Raises ``refused`` if eta does not rise.
     """
@@ -211,17 +211,18 @@ def _path(
 def _calibration(
     car: Vehicle, e: Posterior, runs: list[RampRun], resistance: Resistance
 ) -> tuple[Calibration, TableBudget]:
-    """Pads and stiffness of the ramps, with their budget.
+    """Return pads and stiffness of the ramps, with their budget.
 
     Ratio and stiffness are those of the draws ``e``; the level follows from the sum of forces.
     """
-    logs = np.stack([e.log_pad_ratio, e.log_stiffness])
+    logs = np.stack([e.log_pad_ratio, e.log_stiffness])  # (2, n)
     sigmas = np.sqrt(np.diag(np.cov(logs, bias=True))).tolist()
     ratio, stiffness = map(Value, np.mean(logs, axis=1).tolist(), sigmas)
     scale, level = level_of(car, runs, resistance, ratio.value)
-    parts = {part: x.tolist() for part, x in parts_of(logs, e.pulls).items()}
-    by_ratio, by_stiffness = ({part: x[i] for part, x in parts.items()} for i in (0, 1))
-    variances = {"level": level, "ratio": by_ratio, "stiffness": by_stiffness}
+    variances = {"level": level, "ratio": dict[str, float](), "stiffness": dict[str, float]()}
+    for part, (of_ratio, of_stiffness) in parts_of(logs, e.pulls).items():
+        variances["ratio"][part] = float(of_ratio)
+        variances["stiffness"][part] = float(of_stiffness)
     return calibration_of(car, scale, ratio, stiffness, variances)
 
 
@@ -231,18 +232,16 @@ def _provenance(
     tyres: Sequence[TyreFile],
     fleet: Mapping[str, Table],
 ) -> Provenance:
-    """Logs by role, tables, settings and program that a table was made from."""
-    logs_read = (
+    """Return the logs by role, files, tables, settings and program that made a table."""
+    files = [
         LogReference(x.name, x.digest, role, x.notes, fingerprint_of(x), x.sample_time)
-        for role in roles
-        for x in (run.log for run in roles[role])
-    )
+        for role, runs in roles.items()
+        for x in (run.log for run in runs)
+    ]
+    files += [LogReference(bench.name, bench.digest, "bench")] if bench else []
+    files += [LogReference(tyre.name, tyre.digest, "tyre") for tyre in tyres]
     return Provenance(
-        logs=(
-            *logs_read,
-            *([LogReference(bench.name, bench.digest, "bench")] if bench else []),
-            *(LogReference(tyre.name, tyre.digest, "tyre") for tyre in tyres),
-        ),
+        logs=tuple(files),
         settings={
             "block": BLOCK,
             "bite_pressure": BITE,

@@ -4,8 +4,8 @@
 
 See `calib.fitting.evidence` for the evidence and `calib.fitting.hypotheses` for the list.
 
-A mistake is named only where it explains the ramp well, and better than other pads do. Two mistakes
-at once are not considered, and a wrong gain of p_mc looks like other pads.
+A mistake is named only where it explains the ramp well, and better than "nothing wrong" does. Two
+mistakes at once are not considered, and a wrong gain of p_mc looks like other pads.
 """
 
 import math
@@ -30,11 +30,10 @@ from calib.fitting.hypotheses import (
 )
 from calib.model.ramp import RampRun
 
-_EXPLAINED = 2.5
-"""Mean square of the best residuals of eta, slip and sum over their errors, above which no
-hypothesis explains the ramp."""
-
-_MOSTLY = 8.0  # largest such mean square that counts where "nothing wrong" leaves 2.5 times as much
+_EXPLAINED = 2.5  # a hypothesis of less `Cause.misfit` explains the ramp
+_GAIN, _MOSTLY = 2.5, 8.0
+"""A hypothesis also explains the ramp if its misfit is less than that of "nothing wrong" divided by
+the first, and less than the second."""
 
 _IN_WORDS = {
     MOTOR: "a motor that brakes the {axle} wheels by up to {size:.0f} N m, and is not logged",
@@ -43,58 +42,62 @@ _IN_WORDS = {
 
 
 def causes_of(car: Vehicle, runs: Sequence[RampRun], other_road: bool = False) -> tuple[Cause, ...]:
-    """The hypotheses on ``runs`` with their odds over "nothing wrong", most probable first.
+    """Return the hypotheses on ``runs`` with odds over "nothing wrong", most probable first.
 
     The runs are ramps, or stops that may be on an ``other_road``; both axles brake in them. Raises
     ValueError where a run has no usable block.
     """
     evidence = Evidence(car, runs, other_road)
     all_hypotheses = (Hypothesis("", 1.0), *hypotheses(car, runs))
-    pads = [evidence.of_pads(h) for h in all_hypotheses if not h.code]
+    pads = [evidence.cause_of_pads(h) for h in all_hypotheses if not h.code]
     nothing = pads[0].log_odds
     screened = evidence.screened([h for h in all_hypotheses if h.code], pads)
     threshold = _threshold(pads, screened, other_road)
     unlikely = [c for c in screened if c.log_odds <= threshold]
     likely = [c.hypothesis for c in screened if c.log_odds > threshold]
-    mistakes = evidence.of_mistakes(likely, nothing, nothing - SCREENING_ERROR)
+    mistakes = evidence.causes_of(likely, nothing, search_from=nothing - SCREENING_ERROR)
     causes = (*pads, *unlikely, *mistakes)
     compared = (replace(cause, log_odds=cause.log_odds - nothing) for cause in causes)
     return tuple(sorted(compared, key=lambda cause: -cause.log_odds))
 
 
 def _threshold(pads: Sequence[Cause], screened: Sequence[Cause], other_road: bool) -> float:
-    """ln of the odds above which a screened mistake is computed with all draws.
+    """Return ln of the odds above which a screened mistake is computed with all draws.
 
     It is infinite on an ``other_road`` where no mistake explains the run better than other pads do.
     """
-    best = max(pads, key=lambda cause: cause.log_odds)
+    best_pads = max(pads, key=lambda cause: cause.log_odds)
     best_mistake = max((cause.log_odds for cause in screened), default=NEVER)
-    if other_road and best_mistake < best.log_odds + LIKELY_LOG_ODDS - SCREENING_ERROR:
+    if other_road and best_mistake < best_pads.log_odds + LIKELY_LOG_ODDS - SCREENING_ERROR:
         return math.inf
-    return (
-        max(best.log_odds, best_mistake) - LIKELY_LOG_ODDS * max(best.misfit, 1.0) - SCREENING_ERROR
-    )
+    best = max(best_pads.log_odds, best_mistake)
+    return best - _decisive(best_pads) - SCREENING_ERROR
+
+
+def _decisive(best: Cause) -> float:
+    """Return the difference of ln of the odds that decides; a misfit makes odds less certain."""
+    return LIKELY_LOG_ODDS * max(best.misfit, 1.0)
 
 
 def _candidates(causes: Sequence[Cause]) -> tuple[Cause, ...]:
-    """Hypotheses that the ramps cannot tell apart, most probable first.
+    """Return the hypotheses that the runs cannot tell apart, most probable first.
 
-    There are none where "nothing wrong" is as probable, or where no hypothesis explains the ramps.
+    There are none where "nothing wrong" is as probable, or where no hypothesis explains the runs.
     """
-    best = causes[0]
-    decisive = LIKELY_LOG_ODDS * max(best.misfit, 1.0)  # a misfit makes the odds less certain
+    best, usual = causes[0], (USUAL_PADS, USUAL_PADS)
+    decisive = _decisive(best)
     near = tuple(c for c in causes if c.log_odds > best.log_odds - decisive)
-    usual = (USUAL_PADS, USUAL_PADS)
-    nothing = next(c.misfit for c in causes if not c.hypothesis.code and c.hypothesis.pads == usual)
-    largest_misfit = max(_EXPLAINED, min(_MOSTLY, nothing / 2.5))
+    nothing = next(c for c in causes if not c.hypothesis.code and c.hypothesis.pads == usual)
+    largest_misfit = max(_EXPLAINED, min(_MOSTLY, nothing.misfit / _GAIN))
     return near if best.misfit < largest_misfit and best.log_odds > decisive else ()
 
 
 def named(causes: Sequence[Cause], beside_pads: bool = True) -> tuple[Cause, ...]:
-    """The mistakes that explain the runs, most probable first.
+    """Return the mistakes that explain the runs, most probable first.
 
-    With ``beside_pads`` they are named even where other pads explain the runs as well: on ramps,
-    whose pads are those of the file. Pads of a stop may be wet.
+    With ``beside_pads`` a mistake is named even where other pads explain the runs as well: a ramp
+    is driven with the pads of the file. Without it (for stops, whose pads may be wet) a mistake is
+    named only where no pads explain them as well.
     """
     near = _candidates(causes)
     mistakes = tuple(c for c in near if c.hypothesis.code)
@@ -103,13 +106,15 @@ def named(causes: Sequence[Cause], beside_pads: bool = True) -> tuple[Cause, ...
 
 def certain(causes: Sequence[Cause]) -> bool:
     """Whether the ramps certainly hold a mistake: no pads explain them as well."""
-    near = _candidates(causes)
-    without_pads = bool(near) and all(c.hypothesis.code for c in near)
-    return without_pads and near[0].log_odds > CERTAIN_LOG_ODDS
+    mistakes = named(causes, beside_pads=False)
+    return bool(mistakes) and mistakes[0].log_odds > CERTAIN_LOG_ODDS
 
 
 def other_than_pads(causes: Sequence[Cause]) -> str:
-    """A mistake, in words, that explains the ramps nearly as well as other pads do; else ""."""
+    """Return a motor or late wheel speeds, in words, that explain the ramps as other pads do.
+
+    It is "" where no such mistake is nearly as probable as the pads.
+    """
     best_pads = max(c.log_odds for c in causes if not c.hypothesis.code)
     for cause in causes:
         code, axle = cause.hypothesis.code, cause.hypothesis.axle
@@ -121,20 +126,22 @@ def other_than_pads(causes: Sequence[Cause]) -> str:
 def measured(causes: Sequence[Cause], beside_pads: bool = True) -> Iterator[Measured]:
     """Yield the mistakes that are named, as figures of `rules.csv`."""
     for cause in named(causes, beside_pads):
-        code, axle, size = cause.hypothesis.code, cause.hypothesis.axle, cause.size
-        value, words = size[0], {"axle": AXLE_NAMES[axle], "channel": f"T_drive_{axle}"}
+        code, axle = cause.hypothesis.code, cause.hypothesis.axle
+        value, *others = cause.size
+        words = {"axle": AXLE_NAMES[axle], "channel": f"T_drive_{axle}"}
         if code == SCALE:
             words |= {"factor": f"{value:.3g}", "cause": _why(value)}
         elif code == DRAG:
             value /= BAR
-        elif code in (MOTOR, VALVE):
-            pressure = size[1] if code == MOTOR else size[0]
-            words["bar"] = f"{pressure / BAR:.0f}"
-        yield Measured(code, 1.0 if code == VALVE else value, words=words)
+        elif code == MOTOR:  # value is the torque, the other number the pressure of full torque
+            words["bar"] = f"{others[0] / BAR:.0f}"
+        elif code == VALVE:  # the rule only asks whether there is one; the knee is in its words
+            words["bar"], value = f"{value / BAR:.0f}", 1.0
+        yield Measured(code, value, words=words)
 
 
 def _why(factor: float) -> str:
-    """Likely reason, in words, for a factor that corrects the logged torque at the wheels."""
+    """Return the likely reason, in words, for a factor that corrects the logged torque."""
     if factor < 0.0:
         return "another sign: what slows the car is negative"
     if factor < 1.0:

@@ -1,12 +1,12 @@
 """Estimate level and ratio of the pads on the ramps, with their uncertainty by part.
 
 The level of a ramp is the brake force that the deceleration demands, over that of the vehicle
-file's pads at the same pressure. The force counts from the lead-in, so neither the zero of a_x nor
-a constant resistance changes it.
+file's pads at the same pressure. The force on the lead-in is subtracted, so neither the zero of a_x
+nor a constant resistance changes the level.
 
 A ramp on which both axles brake gives the common level of their pads, a ramp on which the front
-axle brakes alone that of the front pads. From the difference follows the ratio of front to rear
-pads. Without a ramp of one axle, the levels do not depend on the ratio.
+axle brakes alone that of the front pads. The difference of the levels gives the ratio of front to
+rear pads. Without a ramp of one axle the ratio is not seen.
 """
 
 import math
@@ -31,9 +31,9 @@ _LEAST_LEVEL = 1e-3  # lower limit of a level, so that its logarithm exists [1]
 
 
 def pad_ratio_prior(vehicle: Vehicle, bench: RollerBench | None) -> Value:
-    """Prior of ln of (mu_f/mu_r) over its value in the vehicle file [1].
+    """Return the prior of ln of the pads' ratio mu_f/mu_r, over that of the vehicle file [1].
 
-    It comes from the roller ``bench``, else from the pads' tolerances of the file, else it is
+    It comes from the roller ``bench``, else from the pads' tolerances in the file, else it is
     `DEFAULT_PRIOR`. Raises BenchError and ModelError as `RollerBench.log_pad_ratio`.
     """
     if bench is not None:
@@ -48,24 +48,22 @@ def pad_ratio_prior(vehicle: Vehicle, bench: RollerBench | None) -> Value:
 def _levels_of(
     vehicle: Vehicle, runs: list[RampRun], resistance: Resistance, log_ratio: float
 ) -> tuple[Array, Array]:
-    """Level of the pads of each run over the file's, (runs,) [1], and its errors, (runs, 3).
+    """Return the level of the pads of each run, (runs,) [1], and its errors, (runs, 3).
 
-    ``log_ratio`` ln of the pads' ratio over the file's [1]. The errors are relative standard
-    deviations by noise, resistance and accelerometer. The level is sum(z y)/sum(z^2), with the
-    demanded force y over the weight, so an error e of y changes the level by sum(z e)/sum(z^2).
-    Without v the scale of a_x has its prior, which includes pitch. The noise of the lead-in counts
-    only where the file gives the resistance: an identified resistance includes that noise.
+    ``log_ratio`` is ln of the pads' ratio over the file's [1]. The errors are relative standard
+    deviations by noise, resistance and accelerometer. With the demanded force y over the weight the
+    level is sum(z y)/sum(z^2), so an error e of y changes the level by sum(z e)/sum(z^2).
     """
     levels, sigmas = [], []
     for run in runs:
         b, sensor, z = run.blocks, run.accelerometer, run.blocks.z[run.braked]
         square = z @ z
         noise = run.noise.z / np.sqrt(b.length * square)
-        if resistance.specified:
+        if resistance.specified:  # an identified resistance includes the noise of the lead-in
             rolled = b.length * max(run.rolling.size, 1)
             noise = np.hypot(noise, z.sum() / square * run.noise.z / np.sqrt(rolled))
         resistance_sigma = resistance.sigma_z(vehicle, b.speed[run.braked]) @ z / square
-        excess, scale_sigma = LOG.a_x_scale.mean, LOG.a_x_scale.sigma
+        excess, scale_sigma = LOG.a_x_scale.mean, LOG.a_x_scale.sigma  # by pitch, too
         if run.slip is not None:  # v has corrected a_x, if there was anything to correct
             excess = 0.0
             scale_sigma = 0.0 if sensor is None else float(np.sqrt(sensor.variance_scale))
@@ -78,12 +76,12 @@ def _levels_of(
 def ratio_by_levels(
     vehicle: Vehicle, runs: list[RampRun], resistance: Resistance, prior: Value
 ) -> Value:
-    """ln of the pads' ratio [1] from its ``prior`` and the levels of the ``runs``.
+    """Return ln of the pads' ratio [1] by its ``prior`` and the levels of the ``runs``.
 
-    ln of a level changes with the ratio times a lever, the front axle's share of the brake force.
+    d(ln level) = lever d(ln ratio), where the lever is the front axle's share of the brake force.
     The variance of ln of a level is that of the repeatability of pads plus that of the run. Errors
-    that the runs share (resistance, accelerometer) count as independent, so the result is rather
-    too wide. Without a ramp of one axle the result is the ``prior``.
+    that the runs share (resistance, accelerometer) count as independent, which makes the result
+    rather too wide. Without a ramp of one axle the result is the ``prior``.
     """
     if all(run.only is None for run in runs):
         return prior
@@ -101,7 +99,7 @@ def ratio_by_levels(
 def level_of(
     vehicle: Vehicle, runs: list[RampRun], resistance: Resistance, log_ratio: float
 ) -> tuple[float, dict[str, float]]:
-    """Common factor on the pads of both axles [1], and the variance of its ln by part.
+    """Return the common factor on the pads of both axles [1], and the variance of its ln by part.
 
     ``runs`` are ramps on which both axles brake. More ramps reduce only the noise, which includes
     the scatter of the levels.
@@ -123,10 +121,10 @@ def calibration_of(
     stiffness: Value,
     parts: Mapping[str, dict[str, float]],
 ) -> tuple[Calibration, TableBudget]:
-    """Pads and tyres with their standard deviations, and their budget, see `calib.table.budget`.
+    """Return pads and tyres with their standard deviations, and their budget, a `TableBudget`.
 
     ``scale`` is the common factor of both axles' pads [1], ``ratio`` ln of the pads' ratio,
-    ``stiffness`` ln of the slip stiffness; ``parts`` are the variances in `TableBudget`.
+    ``stiffness`` ln of the slip stiffness; ``parts`` are the variances by quantity and cause.
 
     The sum of forces determines the mean of the axles' pads, weighed by share of the force. The
     scale is the geometric mean of the pads, so a change of the ratio changes the scale by half the
@@ -137,7 +135,7 @@ def calibration_of(
     half, stiff = np.exp(0.5 * ratio.value), math.exp(stiffness.value)
 
     def with_sigma(value: float, lever: float) -> Value:
-        """Add the sigma of a factor whose ln changes by ``lever`` times ln of the ratio."""
+        """Return a value with its sigma: d(ln value) = d(ln level) + lever d(ln ratio)."""
         return Value(float(value), float(value * np.hypot(level_sigma, lever * ratio.sigma)))
 
     pads = Calibration(

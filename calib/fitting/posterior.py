@@ -1,6 +1,4 @@
-r"""The posterior: draws of a car that explain its ramps.
-
-    draw of the prior --> forces over loads --tyre forms--> slips --(22)--> eta, and slip with v
+"""The posterior: draws of a car that explain its ramps.
 
 Tempered sequential Monte Carlo (Del Moral et al. 2006, doi:10.1111/j.1467-9868.2006.00553.x)
 carries the draws from the prior to the posterior. The likelihood is that of
@@ -32,7 +30,7 @@ from calib.fitting.regression import Regression
 from calib.model.ramp import RampRun
 from calib.table.table import Value
 
-_DRAWS = 2048  # so many give the 2.5 % quantile to a tenth of a standard deviation
+_DRAWS = 2048  # they give the 2.5 % quantile to a tenth of a standard deviation
 _TYRES = ("form", "load_exponent", "peak_load_exponent", "peak", "compliance", "log_tyre_ratio")
 _COORDINATES = {
     "tyres": _TYRES,
@@ -43,7 +41,8 @@ _COORDINATES = {
 
 _ESS_FRACTION = 0.5  # effective sample size after a step, over the number of draws
 _PCN_STEP = 0.4  # share of new noise in a Crank-Nicolson move
-_ACCEPTED_MOVES, _MOST_MOVES = 0.8, 6  # moves of a draw in a step: accepted ones, tries at most
+_ACCEPTED_MOVES = 0.8  # accepted moves of a draw at which a step ends, as mean over the draws
+_MOST_MOVES = 6  # largest number of tried moves in a step
 
 
 @dataclass(frozen=True)
@@ -52,7 +51,8 @@ class Posterior(Ensemble):
 
     pulls: dict[str, Array]
     """By part of a budget, (n, m): derivative of ln of a draw's probability by each of m errors, in
-    standard deviations. An error changes the mean of a function x of the draws by cov(x, pull)."""
+    standard deviations. An error of one standard deviation changes the mean of a function x of the
+    draws by cov(x, pull)."""
     misfit: float  # rms of the residuals of eta and slip over their errors [1]
     prior_support: Array
     """Posterior probability of each informative prior over the default one, at even odds (k,)."""
@@ -64,11 +64,10 @@ class Posterior(Ensemble):
 
 
 def parts_of(x: Array, pulls: Mapping[str, Array]) -> dict[str, Array]:
-    """Variance (k,) of functions of the draws ``x`` (k, n), by part of a budget.
+    """Return the variance (k,) of functions of the draws ``x`` (k, n), by part of a budget.
 
     The variance by one error is cov(x, pull)^2, which is exact where all is normal and linear. The
-    parts are scaled to add up to the variance of the draws, which also cancels the factor n in the
-    covariances.
+    parts are scaled to add up to the variance of the draws, so sums stand for covariances here.
     """
     deviation = x - np.mean(x, axis=1, keepdims=True)
     by_part = {part: np.sum((deviation @ pull) ** 2, axis=1) for part, pull in pulls.items()}
@@ -86,9 +85,9 @@ def posterior(
 ) -> Posterior:
     """Draw from the posterior given the ramps ``runs``.
 
-    ``ratio`` is the prior of ln of the pads' ratio, `DEFAULT_PRIOR` where the user gives none;
-    ``draws`` their number; ``priors`` are informative priors, which share half of the draws. Raises
-    ValueError where no draw of the prior explains the ramps, or a ramp has no usable block.
+    ``ratio`` is the prior of ln of the pads' ratio, `DEFAULT_PRIOR` where the user gives none. The
+    informative ``priors`` share half of the draws. Raises ValueError where no draw of the prior
+    explains the ramps, or a ramp has no usable block.
     """
     from scipy.special import ndtri
 
@@ -103,22 +102,24 @@ def posterior(
     x = _tempered(start, log_evidence, rng)
     e, centre, root = draw_cars(x, priors)
     _, mean, A, *_ = regression.solve(e, centre, root)
-    # precision A = C C': mean + C'^-1 noise has covariance A^-1
+    # draw the linear parameters: with the precision A = C C', C'^-1 noise has the covariance A^-1
     noise = rng.standard_normal(mean.shape)[..., None]
     linear_x = mean + np.linalg.solve(np.linalg.cholesky(A).transpose(0, 2, 1), noise)[..., 0]
-    linear = centre + np.einsum("nij,nj->ni", root, linear_x)
-    front, rear = np.maximum(linear[:, :2].T, 0.1 * COMPLIANCE)
+    linear = centre + np.einsum("nij,nj->ni", root, linear_x)  # root @ x, of each draw
+    front, rear = np.maximum(linear[:, :2].T, 0.1 * COMPLIANCE)  # else some could be negative
     e = replace(e, compliance_f=front, compliance_r=rear, radius_load=linear[:, 2])
     residual = regression.residuals(e) @ regression.white.T
-    prior_x = np.hstack([x[:, :DRAWN], linear_x])
+    from_prior = np.hstack([x[:, :DRAWN], linear_x])  # deviations from the prior (n, k)
     if ratio != DEFAULT_PRIOR:
-        unlike = (e.log_pad_ratio - ratio.value) / ratio.sigma
-        prior_x[:, PLACES["log_pad_ratio"]] = unlike[:, None]
-    pulls = {part: residual @ (regression.white @ x) for part, x in regression.errors.items()}
+        deviation = (e.log_pad_ratio - ratio.value) / ratio.sigma
+        from_prior[:, PLACES["log_pad_ratio"]] = deviation[:, None]
+    errors = regression.errors.items()
+    pulls = {part: residual @ (regression.white @ error) for part, error in errors}
     for part, names in _COORDINATES.items():
-        columns = [prior_x[:, PLACES[name]] for name in names]
-        pulls[part] = np.hstack([pulls.get(part, prior_x[:, :0]), *columns])
+        columns = [from_prior[:, PLACES[name]] for name in names]
+        pulls[part] = np.hstack([pulls.get(part, from_prior[:, :0]), *columns])
     default, *others = np.bincount(prior_index(x, priors), minlength=len(priors) + 1)
+    # each informative prior has 1/len(priors) of as many draws as the default prior
     counts = len(priors) * np.array(others, dtype=np.float64)
     return Posterior(
         **vars(e) | regression.discrepancies(residual, rng),
@@ -129,16 +130,13 @@ def posterior(
 
 
 def _tempered(x: Array, log_evidence: Callable[[Array], Array], rng: np.random.Generator) -> Array:
-    """Carry draws ``x`` (n, d) of a standard normal prior to the posterior, by tempering.
-
-    ``log_evidence`` returns ln of the likelihood (n,) of draws.
-    """
+    """Carry draws ``x`` (n, d) of a standard normal prior to the posterior, by tempering."""
     log, power = log_evidence(x), 0.0
     if not np.any(np.isfinite(log)):
         raise ValueError("no draw of the prior explains the ramps")
     while power < 1.0:
         step = tempering_step(log, 1.0 - power)
-        rows = survivors(step * (log - log.max()), rng.random())
+        rows = resampled(step * (log - log.max()), rng.random())
         x, log, power = x[rows], log[rows], power + step
         moves = 0.0
         for _ in range(_MOST_MOVES):
@@ -152,17 +150,20 @@ def _tempered(x: Array, log_evidence: Callable[[Array], Array], rng: np.random.G
     return x
 
 
-def survivors(log: Array, place: float) -> Index:
-    """Resample draws (n,) systematically by weights of ln ``log``, from ``place``, 0 to 1."""
+def resampled(log: Array, offset: float) -> Index:
+    """Return rows (n,) of draws with weights of ln ``log`` (n,), by systematic resampling.
+
+    Row i is taken where the cumulative weight passes (i + ``offset``)/n, with an offset of 0 to 1.
+    """
     share = np.cumsum(np.exp(log - log.max()))
-    return np.asarray(np.searchsorted(share / share[-1], (np.arange(log.size) + place) / log.size))
+    return np.asarray(np.searchsorted(share / share[-1], (np.arange(log.size) + offset) / log.size))
 
 
 def tempering_step(log: Array, largest: float) -> float:
-    """Next step of the power of the likelihood, ``largest`` at most, found by bisection.
+    """Return the next step of the power of the likelihood, ``largest`` at most, by bisection.
 
     ``log`` is ln of the likelihood of the draws (n,). The step leaves an effective sample size of
-    `_ESS_FRACTION` or more.
+    `_ESS_FRACTION`, or more where it is the largest.
     """
     low, high = 0.0, 2.0 * largest  # so that the first trial is ``largest``
     for _ in range(41):

@@ -1,7 +1,7 @@
 """Judge how well a fit explains its ramps: residuals, metrics, remarks and warnings.
 
 Residuals are those of eta and slip of each block, over their errors. A fit is refused where no draw
-carries the forces of a ramp, or where the residuals are far above 1.
+can transmit the forces of a ramp, or where the residuals are far above 1.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -34,7 +34,8 @@ from calib.table.table import Value
 _DRAWS = 64  # draws whose median residual is taken; its error is far below that of a block
 
 MOVE_ETA = (LATE, "unexplained_braking_force", "force_step")
-"""Codes of mistakes that change eta. They do not excuse an unexplained eta; others do."""
+"""Codes of warnings whose cause changes eta itself. Where no other warning is given, an eta that no
+tyre explains refuses the fit. Any other warning lets it pass: its cause may explain the misfit."""
 
 _LARGEST_RMS = 3.0
 """Root mean square of the residuals of eta above which a ramp is not explained [1].
@@ -53,10 +54,10 @@ def explained(
 ) -> tuple[Posterior, dict[str, float]]:
     """Return the posterior of the ramps, and figures of its residuals.
 
-    ``ratio`` is the prior of ln of the pads' ratio, ``priors`` are informative priors of the car,
-    ``named`` are warnings whose causes may explain a misfit. Raises ``refused`` where no draw
-    carries the forces, where v contradicts the wheel speeds, and where no tyre explains eta and
-    ``named`` has no warning beside `MOVE_ETA`.
+    ``runs`` include a ramp of both axles. ``ratio`` is the prior of ln of the pads' ratio,
+    ``priors`` are informative priors of the car, ``named`` are warnings whose causes may explain a
+    misfit. Raises ``refused`` where no draw can transmit the forces, where v contradicts the wheel
+    speeds, and where no tyre explains eta, unless ``named`` has a warning other than `MOVE_ETA`.
     """
     try:
         ensemble = posterior(car, runs, ratio, priors=priors)
@@ -98,20 +99,20 @@ def explained(
 def _ramp_residuals(
     car: Vehicle, e: Ensemble, runs: Sequence[RampRun]
 ) -> list[tuple[Array, Array]]:
-    """Residuals of eta and slip on each ramp with both axles."""
+    """Return the residuals of eta and slip on each ramp of both axles."""
     return [residuals(car, e, run) for run in runs if run.only is None]
 
 
 def residuals(car: Vehicle, e: Ensemble, run: RampRun) -> tuple[Array, Array]:
-    """Residuals of eta and slip over their errors at the braked blocks, (k,) each.
+    """Return the residuals of eta and slip over their errors at the braked blocks, (k,) each.
 
     The residuals of slip are empty without v. The errors include the error of the forces by the
-    noise of z. On a rough road it is five times the error by the wheels.
+    noise of z. On a rough road this error is five times that by the wheels.
     """
     regression = Regression(car, [run], groups=None)
     (ramp,) = regression.ramps
-    z, z_noise = ramp.z[1:], run.noise.z / np.sqrt(run.blocks.length)
-    slope = ramp.rows @ z / (z @ z)  # of eta - 1 and of slip over z, (2,)
+    z, z_noise = ramp.z[1:], run.noise.z / np.sqrt(run.blocks.length)  # ramp.z[0]: the lead-in
+    slope = ramp.measured @ z / (z @ z)  # of eta - 1 and of slip over z, (2,)
     forces = np.repeat(np.abs(slope) * z_noise, z.size)
     errors = regression.errors["noise"], regression.errors["tyres"], forces[:, None]
     sigma = np.linalg.norm(np.hstack(errors), axis=1)
@@ -130,12 +131,12 @@ def _rms(x: Array) -> float:
 
 
 def metrics(
-    vehicle: Vehicle, runs: list[RampRun], path: SlipPrediction, nominal: float
+    vehicle: Vehicle, runs: list[RampRun], path: SlipPrediction, prior_weight: float
 ) -> dict[str, float]:
-    """Quality metrics of a fit besides those of its residuals, each a plain number.
+    """Return the quality metrics of a fit besides those of its residuals.
 
-    ``path`` predicted for the ``runs`` up to the highest z; ``nominal`` weight of the prior in the
-    pads' ratio [1].
+    ``path`` is the prediction for the car up to the highest z of the ``runs``, ``prior_weight`` the
+    weight of the prior in the pads' ratio [1].
     """
     z_peak, eta_peak, falls = find_peak(path)
     return {
@@ -144,7 +145,7 @@ def metrics(
         "eta_peak": eta_peak,
         "eta_peak_deceleration": z_peak,
         "eta_peak_is_real": float(falls),
-        "pad_ratio_nominal_weight": nominal,
+        "pad_ratio_nominal_weight": prior_weight,
         "runs": float(len(runs)),
     }
 
@@ -157,8 +158,7 @@ def remarks(
 ) -> Iterator[str]:
     """Yield sentences on decisions of the fit that the table's numbers and warnings do not show.
 
-    ``vehicle`` and ``mass`` are those of the logs; ``prior_support`` has the posterior probability
-    of each informative prior.
+    ``prior_support`` has the posterior probability of each informative prior.
     """
     if vehicle.effects.described:
         yield f"known effects taken out of the logs: {', '.join(vehicle.effects.described)}"
@@ -179,7 +179,7 @@ def remarks(
 def warnings_of(
     filed: Vehicle, ramps: Sequence[Run], coasts: Sequence[Run], identified: Resistance
 ) -> Iterator[PlausibilityWarning]:
-    """Yield the warnings of vehicle and logs before the fit; only the fit can warn of the pads.
+    """Yield the warnings of vehicle file and logs, except those of the pads, which need the fit.
 
     ``filed`` is the vehicle of the file. ``identified`` is the resistance of all logs, which is
     judged unless the file gives one. A ramp is judged with the resistance of the coasts, if any.
@@ -193,8 +193,8 @@ def warnings_of(
     of_coasts = identified
     if coasts:
         of_coasts = identify_resistance(car, ((x.blocks, x.noise.z) for x in coasts))
-    straight = {FIT: coasts, COAST: ()}
+    straight_runs = {FIT: coasts, COAST: ()}  # other runs of a straight road, to compare with
     runs = [(run, FIT, of_coasts) for run in ramps] + [(run, COAST, identified) for run in coasts]
     for run, purpose, resistance in runs:
         sensor, response = run.accelerometer(resistance), run.response(identified.effects)
-        yield from warnings_on(Evidence(run, sensor, response, straight[purpose]), purpose)
+        yield from warnings_on(Evidence(run, sensor, response, straight_runs[purpose]), purpose)

@@ -61,7 +61,8 @@ def measure(table: Table, log: Log) -> MeasuredRamp:
     resistance = np.stack([run.drag_f, run.drag_r])[:, None] / car.weight  # (2, 1, k)
     forces = np.stack([front, 1.0 - front]) * share + resistance  # (2, n, k)
     tyres = loaded_tyres(car, ensemble, run.quasi_static(car))
-    _, apparent_slips = wheel_slips(ensemble, tyres.slips(forces))
+    unit_slips, _ = tyres.unit_slips(forces)
+    _, apparent_slips = wheel_slips(ensemble, tyres, unit_slips)
     eta_with_resistance = np.median(speed_ratio(*apparent_slips), axis=0)  # (k,)
     unbraked = blocks.lead_in
     zero = float(np.mean((blocks.eta / eta_with_resistance)[unbraked])) if unbraked.any() else 1.0

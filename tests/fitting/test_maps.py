@@ -44,7 +44,7 @@ class Toy:
         slip = z * np.exp(self.log_slip[:, None])
         return SlipPrediction(z, shift, slip, forces=slip, slips=slip, rolls=slip > 0.0)
 
-    def level(self, z):
+    def log_level(self, z):
         return np.full(self.change.size, 0.01)
 
 
@@ -187,6 +187,6 @@ def test_ranks_of_the_ratio_are_uniform(table, fresh, z, of, sees):
 def test_ranks_of_the_level_are_uniform(table, fresh):
     _, _, before = table
     for i, z in enumerate(before.z):
-        level = fresh.level(float(z))
+        level = fresh.log_level(float(z))
         ranks = [np.mean(level <= getattr(before, f"level{end}")[i]) for end in BOUNDS]
         assert ranks == pytest.approx([0.025, 0.5, 0.975], abs=0.015)

@@ -67,10 +67,10 @@ def test_a_further_case_of_one_quantity_leaves_all_others_as_they_are(monkeypatc
     worn = tyre | {"case": "worn", "share": "0.25", "sigma": "0.15"}
     monkeypatch.setattr(stops, "STOP", beliefs_of(Stop, [worn, *reversed(table)]))
     more = scenarios(replace(CAR, mass_tolerance=WEIGHED), one_car(**TYRES), COUNT)
-    others = ("change", "peak", "scale", "offset", "mass")
+    others = ("change", "peak", "scale", "offset", "log_mass")
     for name in others:
         assert np.array_equal(getattr(more, name), getattr(drawn, name)), name
-    worn = np.abs(more.stiff - drawn.stiff) > 1e-9
+    worn = np.abs(more.stiffer - drawn.stiffer) > 1e-9
     assert np.mean(worn, axis=1) == pytest.approx([0.2, 0.2], abs=0.01)
     for x in [*(getattr(more, name) for name in others), worn[1]]:
         far = np.abs(x - np.median(x))
@@ -87,7 +87,7 @@ def test_roads_are_the_ramp_s_or_others(drawn):
     own = np.log(0.95 * drawn.peak[far])
     assert np.mean(own) == pytest.approx(mean, abs=0.15 * sigma)
     assert np.std(own) == pytest.approx(sigma, rel=0.15)
-    stiff = drawn.stiff.mean(axis=0)[far]
+    stiff = drawn.stiffer.mean(axis=0)[far]
     assert np.polyfit(np.log(0.95 * drawn.peak[far] / 0.9), stiff, 1)[0] == pytest.approx(
         0.25, abs=0.05
     )
@@ -104,28 +104,28 @@ def test_the_peak_of_another_road_hangs_on_no_ramp():
 def test_tyres_of_the_axles_move_apart_by_the_list(drawn):
     """The road moves both alike."""
     _, sigma = moments("log_tyre")
-    assert np.std(drawn.stiff[0] - drawn.stiff[1]) == pytest.approx(
+    assert np.std(drawn.stiffer[0] - drawn.stiffer[1]) == pytest.approx(
         math.sqrt(2.0) * sigma, rel=0.05
     )
 
 
 def test_nobody_leaves_a_load_in_a_car_that_was_weighed(drawn, loose):
-    assert np.std(drawn.mass) == pytest.approx(WEIGHED, rel=0.05)
-    assert np.mean(drawn.mass) == pytest.approx(0.0, abs=0.05 * WEIGHED)
+    assert np.std(drawn.log_mass) == pytest.approx(WEIGHED, rel=0.05)
+    assert np.mean(drawn.log_mass) == pytest.approx(0.0, abs=0.05 * WEIGHED)
     share, mean, _ = cases("log_mass")
     stated = 0.02  # of the file; the row says: times it
     sigma = np.array([stated, case("log_mass", "load nobody stated")[2]])
     variance = share @ (sigma**2 + mean**2) - (share @ mean) ** 2
-    assert np.mean(loose.mass) == pytest.approx(share @ mean, abs=0.001)
-    assert np.std(loose.mass) == pytest.approx(math.sqrt(variance), rel=0.05)
+    assert np.mean(loose.log_mass) == pytest.approx(share @ mean, abs=0.001)
+    assert np.std(loose.log_mass) == pytest.approx(math.sqrt(variance), rel=0.05)
 
 
 def still(count=1, **other):
     """Stops that bring nothing, but for ``other``."""
     usual = scenarios(CAR, one_car(**TYRES), count)
     zero, one = np.zeros(count), np.ones(count)
-    usual = replace(usual, change=zero, peak=one, stiff=np.zeros((2, count)), scale=zero)
-    usual = replace(usual, offset=zero, mass=zero)
+    usual = replace(usual, change=zero, peak=one, stiffer=np.zeros((2, count)), scale=zero)
+    usual = replace(usual, offset=zero, log_mass=zero)
     return replace(usual, **{name: value * one for name, value in other.items()})
 
 
@@ -159,7 +159,7 @@ def test_what_is_seen_is_eta_and_slip_of_the_paper(z):
     at = predict_stops(CAR, still(), np.array([z]))
     assert at.eta_rise == pytest.approx(rear / front - 1.0, rel=1e-4)
     assert at.slip == pytest.approx(1.0 - part * front - (1.0 - part) * rear, rel=1e-6)
-    assert still().level(z) == pytest.approx(0.0)
+    assert still().log_level(z) == pytest.approx(0.0)
     assert at.rolls.all()
 
 

@@ -133,7 +133,7 @@ def drawn(
         s,
         change=scatter * normal(count),
         peak=peak,
-        stiff=stiff + 0.02 * normal((2, count)),
+        stiffer=stiff + 0.02 * normal((2, count)),
         scale=0.009 * (1.0 + normal(count)),
         offset=0.001 * normal(count),
     )
