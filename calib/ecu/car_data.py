@@ -50,7 +50,7 @@ def sources(
 ) -> dict[str, str]:
     """Return the estimator in C for a version of a table, by file: bte.h, bte.c, bte_car_NAME.c.
 
-    ``first``: first part of the labels of the data; ``about``: first line of the data. Raises
+    Labels of the data begin with ``first``, their file with the comment ``about``. Raises
     StoreError as `require_plain`, ExchangeError as `Precision` and `numbers_of`.
     """
     table = stored.table
@@ -88,9 +88,9 @@ def sources(
 
 
 def code_grids(table: Table, first: str, how: Precision, most_axes: int = MOST_AXES) -> list[Grid]:
-    """Return the maps that the code reads, with the labels of other formats behind ``first``.
+    """Return the maps that the code reads, with labels as in other formats.
 
-    They are sliced where they have more axes. Raises ExchangeError as `Precision`.
+    A map of more than ``most_axes`` is sliced. Raises ExchangeError as `Precision`.
     """
     columns = {*(name for name, _ in PADS), *SLIP, *LEVEL}
     maps = maps_of(table, first, replace(how, code=True), most_axes)
@@ -98,7 +98,7 @@ def code_grids(table: Table, first: str, how: Precision, most_axes: int = MOST_A
 
 
 def axes_of(grids: Iterable[Grid]) -> list[Axis]:
-    """Return each axis of maps once."""
+    """Return the axes of maps, each once."""
     return [*{axis.label: axis for grid in grids for axis in grid.axes}.values()]
 
 
@@ -134,7 +134,7 @@ def checksum(values: list[float], bits: int) -> int:
 def numbers_of(stored: Stored, sample_time: float) -> list[Number]:
     """Return the numbers of `bte_numbers`: constants that the code reads, and those of the car.
 
-    Raises ExchangeError for a time that no ECU has.
+    Raises ExchangeError for a sample time that no ECU has.
     """
     if not 1e-4 <= sample_time <= 0.1:
         raise ExchangeError(f"a sample time of {sample_time:g} s", expected="0.0001 to 0.1 s")
@@ -156,36 +156,29 @@ def _values_of_car(table: Table, sample_time: float) -> dict[str, float | list[f
     car, resistance = table.vehicle, known_effects(table).parameters
     low, high, change = (x.tolist() for x in limits(sample_time, car))
     drag, rolling = resistance[DRAG[0]], resistance[ROLLING[0]]
+    # rolling resistance at 20 m/s, and the part of it that grows with the square of the speed
     at_20, grows = rolling[ROLLING[1]], rolling.get("rolling_growth", 0.0)
     lever, axles = car.cg_height / car.wheelbase, (car.front, car.rear)
     lift = (1.0 - drag.get("load_share", 1.0)) * lever
     turning, radii = rotating_shares(car), [axle.rolling_radius for axle in axles]
     on_ramp = front_share(car, table.calibration.pad_log_ratio.value)
     return {
-        "low": low,
-        "high": high,
-        "change": change,
-        "sample_time": sample_time,
-        "rests": _RESTS,
+        "low": low, "high": high, "change": change,
+        "sample_time": sample_time, "rests": _RESTS,
         "lateral_part": 1.0 - math.exp(-sample_time / LATERAL_TIME),
-        "recent": Constants.recover + 0.5 * sample_time,  # else a rounding could decide it
+        "recent": Constants.recover + 0.5 * sample_time,  # between samples: no rounding decides
         "slowing": Constants.slows * sample_time,
         "load": [float(x[0]) / car.weight for x in axle_loads(car, np.zeros(1))],
-        "height": [lever, -lever],
-        "track_width": car.track_width,
+        "height": [lever, -lever], "track_width": car.track_width,
         "leaning": 4.0 * car.cg_height / (G * car.track_width),
-        "drag": 0.5 * AIR_DENSITY * drag[DRAG[1]] / car.weight,
-        "drag_lift": [-lift, lift],
-        "rolling": at_20 * (1.0 - grows),
-        "rolling_growth": at_20 * grows / 20.0**2,
+        "drag": 0.5 * AIR_DENSITY * drag[DRAG[1]] / car.weight, "drag_lift": [-lift, lift],
+        "rolling": at_20 * (1.0 - grows), "rolling_growth": at_20 * grows / 20.0**2,
         "rolling_radius": radii,
         "drive": [1.0 / (radius * car.weight) for radius in radii],
-        "turns": [*turning],
+        "turns": [*turning], "rolls": 1.0 + sum(turning),
         "spinning": [share * radius / G for share, radius in zip(turning, radii, strict=True)],
-        "rolls": 1.0 + sum(turning),
         "torque_gain": [axle.torque_gain for axle in axles],
         "pad_friction": [axle.pad_friction for axle in axles],
         "force": sum(force_per_pressure(car)) / car.weight,
-        "share": front_share(car, 0.0),
-        "ramp_share": [on_ramp, 1.0 - on_ramp],
-    }
+        "share": front_share(car, 0.0), "ramp_share": [on_ramp, 1.0 - on_ramp],
+    }  # fmt: skip

@@ -1,12 +1,12 @@
-"""The C of a version in one call: as an FMU, or as the folder that an ECU project takes in.
+"""Write the C of a version: as an FMU, or as a folder for the project of an ECU.
 
-    bte.h bte.c                 the estimator, the same for every car of a precision
-    bte_car_NAME.c              the data of the car, with NAME_ before every label
-    bte_car_NAME.a2l .dcm .cdfx its data for a calibration tool
-    bte_run.c bte_vectors.h     samples with the answers of Python, and a program that compares
+    bte.h bte.c                  the estimator, the same for every car of a precision
+    bte_car_NAME.c               the data of the car, with NAME_ before every label
+    bte_car_NAME.a2l .dcm .cdfx  the data for a calibration tool
+    bte_run.c bte_vectors.h      samples with the answers of Python, and a program that compares
     README.md CMakeLists.txt
 
-An ECU project calls the functions and replaces the files; it edits none.
+A project calls the functions of bte.h. To update, it replaces the files; it edits none of them.
 """
 
 from collections.abc import Sequence
@@ -27,7 +27,7 @@ from calib.ecu.structures import calibrated, cell, initial, measured, source
 from calib.estimation.online import A_X, ANSWERS, CHANNELS, FL, answered, limits, samples_of
 from calib.exports.addresses import find_addresses
 from calib.exports.build import build
-from calib.exports.export import require_handed_out
+from calib.exports.export import CODES, require_handed_out
 from calib.exports.symbols import prefix
 from calib.exports.write import FORMATS, as_comment
 from calib.model.sensor_noise import add_noise
@@ -40,7 +40,7 @@ from calib.table.table import Table
 FOLDER = "ecu"  # the format that is a folder; the others are one file each
 _TOOLS = ("a2l", "cdfx", "dcm")  # formats of calibration tools, by the ending of the file
 _COPIED = ("bte_run.c", "CMakeLists.txt", "README.md")
-OURS = b"brake-cal"  # what every file of the folder has in it
+OURS = b"brake-cal"  # a text in every file of the folder
 
 
 @dataclass(frozen=True)
@@ -60,21 +60,16 @@ class WrittenCode:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON document of an export of code."""
+        stored, how = self.stored, self.how
         return {
-            "table": self.stored.id,
-            "digest": self.stored.digest,
-            "version": self.stored.version,
-            "format": self.form,
-            "out": self.out,
-            "files": self.files,
-            "float": self.how.floating,
-            "cell": cell(self.how),
-            "sample_time": self.sample_time,
-        }
+            "table": stored.id, "digest": stored.digest, "version": stored.version,
+            "format": self.form, "out": self.out, "files": self.files,
+            "float": how.floating, "cell": cell(how), "sample_time": self.sample_time,
+        }  # fmt: skip
 
 
 def files_of(stored: Stored, first: str | None) -> list[str]:
-    """Return the names in the folder of an ECU, whose labels begin with ``first``."""
+    """Return the names of the files for an ECU, whose labels begin with ``first``."""
     car = f"{CAR}_{prefix(stored.name if first is None else first)}"
     of_car = (f"{car}.{form}" for form in ("c", *_TOOLS))
     return [*_COPIED, "bte.h", "bte.c", "bte_vectors.h", *of_car]
@@ -95,13 +90,14 @@ def write_code(
 ) -> WrittenCode:
     """Write the estimator, or the simulated car, with the numbers of a version.
 
-    ``form``: one of `calib.exports.export.CODES`. ``sample_time`` from call to call of the ECU's
-    task [s]. A folder may have another ``first`` part of its labels than the table's name, and
-    takes the addresses of the A2L from ``elf``, the linked program. An FMU may be ``compiled`` for
-    this machine by FMPy. ``without_effects`` and ``unreleased``: see `require_handed_out`.
+    ``form`` is one of `calib.exports.export.CODES`, ``sample_time`` is the time between two calls
+    of the ECU's task [s]. A folder may have labels that begin with ``first`` instead of the table's
+    name, and takes the addresses of the A2L from ``elf``, the linked program. An FMU may be
+    ``compiled`` for this machine. ``without_effects``, ``unreleased``: see `require_handed_out`.
 
-    Raises StoreError for a version that is not handed out or has effects that the code cannot take
-    out, ExchangeError for other options, ProgramError where ``elf`` holds another table, OSError.
+    Raises StoreError for a version that may not be handed out or has effects that the code cannot
+    take out, ExchangeError for options of the other forms, ProgramError where ``elf`` holds another
+    table or nothing can be compiled, OSError.
     """
     require_handed_out(stored, without_effects, unreleased=unreleased)
     car = stored.table.vehicle
@@ -109,9 +105,7 @@ def write_code(
     stored = replace(stored, table=replace(stored.table, vehicle=car))
     if form == FOLDER:
         if compiled:
-            raise ExchangeError(
-                "only an FMU is compiled", expected="fmu2, fmu3, car-fmu2, car-fmu3"
-            )
+            raise ExchangeError("only an FMU is compiled", expected=", ".join(CODES[1:]))
         first = prefix(stored.name if first is None else first)
         files = tuple(_write_folder(stored, out, how, sample_time, first, elf))
         axes = axes_of(code_grids(stored.table, first, how))
@@ -165,7 +159,7 @@ def _write_folder(
 def _vectors(table: Table, sample_time: float, how: Precision, car: str) -> str:
     """Return bte_vectors.h: samples of a noisy stop, and the answers at the ends of the blocks.
 
-    The car rolls and brakes in two steps; near the end a wheel locks and a sensor fails.
+    The car rolls and brakes in two steps; near the end a wheel locks, then a sensor fails.
     """
     time = np.arange(0.0, 6.0, sample_time)
     braked = np.clip((time - 3.0) / 0.3, 0.0, 1.0) + (time > 4.5)
@@ -176,7 +170,7 @@ def _vectors(table: Table, sample_time: float, how: Precision, car: str) -> str:
     samples = how.computed(samples)
     every, bits = samples_of_block(sample_time), how.floating
     answers = answered(table, sample_time, samples)[every - 1 :: every]
-    units = {x.name: LOGGED[x.name].si if x.name in LOGGED else x.unit for x in CHANNELS.values()}
+    units = {name: LOGGED[name].si if name in LOGGED else x.unit for name, x in CHANNELS.items()}
     facts = {
         "car": car, "count": len(samples), "every": every,
         "tolerance": 1e-9 if bits == 64 else 1e-4,

@@ -37,11 +37,10 @@ Version = Literal[2, 3]
 Content = Literal["estimator", "car"]
 _V0 = 30.0  # first speed of the car where nothing else is set [m/s]
 _BOUNDS = {"": "", "_lower": ", lower end of 95 %", "_upper": ", upper end of 95 %"}
-"""What is added to the name and to the meaning of an answer, for its median and its bounds."""
-_CAR_REASONS = (
+"""Ends of the names of an answer and its bounds, with the ends of their meanings."""
+_CAR_REASONS = (  # values of ``reason`` in an FMU of the car
     "0 the car drives; 1 it stands; 2 an axle would lift; 3 a wheel would pass the peak of its tyre"
 )
-"""Values of ``reason`` in an FMU of the car."""
 
 
 def _variables(content: Content) -> Iterator[Variable]:
@@ -56,17 +55,17 @@ def _variables(content: Content) -> Iterator[Variable]:
 
 
 def _starts(table: Table, content: Content) -> dict[str, float]:
-    """Return the first values of inputs and parameters; 0 of an input."""
+    """Return the first values of parameters, and 0 for each input."""
     car = simulated(table)
     first = {"pad_friction_f": car.pad_friction_f, "pad_friction_r": car.pad_friction_r, "v0": _V0}
     first |= {f"tyre_{name}": x for name, x in vars(car.tyre).items()}
-    variables = (x for x in VARIABLES.values()
-                 if getattr(x, content).startswith(("input", "parameter")))  # fmt: skip
-    return {x.name: first.get(x.name, 0.0) for x in variables}
+    kinds = {name: getattr(x, content) for name, x in VARIABLES.items()}
+    set_by_host = [name for name, x in kinds.items() if x.startswith(("input", "parameter"))]
+    return {name: first.get(name, 0.0) for name in set_by_host}
 
 
 def simulated(table: Table) -> Model:
-    """Return the car of a table as its ramp shows it, with tyres that peak as on wet asphalt."""
+    """Return the car of a table as its ramp shows it; its tyres peak as on wet asphalt."""
     ramp, exponent = table.calibration, float(table.draws.load_exponent.mean())
     tyre = replace(WET_ASPHALT, stiffness=ramp.slip_stiffness.value, load_exponent=exponent)
     pads = ramp.pad_friction_f.value, ramp.pad_friction_r.value
@@ -83,9 +82,9 @@ def write_fmu(
 ) -> None:
     """Write a version of a table as an FMU with a ``content``; an existing file is replaced.
 
-    ``how``: precision of the numbers inside; variables are in double. ``sample_time``: of the ECU's
-    task, and so the step of the FMU [s]. Equal arguments make equal bytes. Raises OSError, and as
-    `sources` for a table that the code cannot have.
+    ``how`` is the precision of the numbers inside; variables are in double. ``sample_time`` of the
+    ECU's task is the step of the FMU [s]. Equal arguments make equal bytes. Raises OSError, and as
+    `sources` for a table that has no code.
     """
     car, step, first = stored.table.vehicle.name, repr(float(sample_time)), prefix(stored.name)
     name = f"{prefix(car)}_{content}"

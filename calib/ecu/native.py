@@ -32,7 +32,7 @@ from calib.table.table import Table
 OUTPUTS = 1 + 3 * len(ANSWERS)  # a reason, and `ANSWERS` with their bounds
 
 _FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno", "-fPIC", "-shared")
-"""Options of the compiler: without contraction every compiler gives the same bits."""
+# without contraction every compiler gives the same bits
 _INSTALL = "install gcc or clang: `apt install gcc`, `xcode-select --install`, or MSYS2"
 
 
@@ -40,13 +40,12 @@ def compiler() -> list[str]:
     """Return the C compiler with its options: $CC, else cc. Raises ProgramError without one."""
     words = shlex.split(os.environ.get("CC") or "cc")
     if shutil.which(words[0]) is None:
-        expected = "cc on PATH, or CC"
-        raise ProgramError("no C compiler", where=words[0], expected=expected, do=_INSTALL)
+        raise ProgramError("no C compiler", where=words[0], expected="cc or $CC", do=_INSTALL)
     return words
 
 
 class Native:
-    """The code of a table at a sample time [s], in a precision, as a shared ``library``.
+    """The code of a table at a sample time [s], as a shared ``library``.
 
     Raises ProgramError where the code cannot be compiled.
     """
@@ -59,7 +58,7 @@ class Native:
             for name, text in files.items():
                 Path(folder, name).write_text(text, encoding="utf-8")
             library = Path(folder, "bte.so")
-            code = [str(Path(folder, name)) for name in files if name.endswith(".c")]
+            code = map(str, Path(folder).glob("*.c"))
             line = [*cc, *_FLAGS, *code, "-o", str(library), "-lm"]
             ran = subprocess.run(line, capture_output=True, text=True, check=False)
             if not library.exists():
@@ -68,7 +67,7 @@ class Native:
             self.library = ctypes.CDLL(str(library))
 
     def run(self, samples: Array) -> Array:
-        """Return the answers (n, 28) of `bte_run` to samples (n, 11)."""
+        """Return reasons and answers (n, OUTPUTS) of `bte_run` to samples (n, 11)."""
         inputs = np.ascontiguousarray(samples, self.real)
         rows = np.empty((len(inputs), OUTPUTS), self.real)
         first_input, first_answer = (ctypes.c_void_p(x.ctypes.data) for x in (inputs, rows))
@@ -80,8 +79,8 @@ class Native:
 def coded(table: Table, how: Precision) -> Coded:
     """Return a function that runs the exported code of a table on logs of any rate and mass.
 
-    Its answer replaces ``ecu`` of an estimate, but for the change since the ramp, which C does not
-    have. Raises ProgramError without a compiler, StoreError for a table that has no code.
+    Its answers replace those of ``ecu`` in an estimate; C has no change since the ramp. Raises
+    ProgramError without a compiler, StoreError for a table that has no code.
     """
     compiler()
     require_plain(table)

@@ -1,7 +1,7 @@
 """The structures of the C code: their text, and where a calibration tool finds their members.
 
-    names, units and meanings of Python --templates/bte.h--> bte.h, and the checksum of its text
-    calib/estimation/equations.py --translation--> its equations --templates/bte.c--> bte.c
+    names, units and meanings of Python --header--> bte.h, and the checksum of its text
+    calib/estimation/equations.py --code--> bte.c
     the same names --calibrated, measured--> numbers of a car and members of `bte_state` in the A2L
 
 bte.h and bte.c are the same for every car of a precision.
@@ -11,7 +11,7 @@ import inspect
 import re
 import zlib
 from collections.abc import Iterable, Iterator
-from dataclasses import fields, is_dataclass
+from dataclasses import fields, is_dataclass, replace
 from functools import cache
 from importlib import resources
 from typing import Any, NamedTuple
@@ -33,20 +33,18 @@ from calib.table.exported import Precision
 _SERIES = {32: {"terms": 8, "largest": 87}, 64: {"terms": 14, "largest": 700}}
 """By bits of the floating point: terms of the series of exp and ln, largest argument of exp."""
 _NOT_IN_C = {"Sample": ["v", "log_odds", "driven"], "State": ["waiting", "held_ratio", "zero_slip"]}
-"""Members by class that serve v alone, or that bte.h declares by hand."""
+"""Members by class that only serve an estimate by v, or that bte.h declares by hand."""
 _STATE = "bte_estimator"  # name of the `bte_state` in the project of the ECU
 _BYTES = {"UWORD": 2, "ULONG": 4, "FLOAT32_IEEE": 4, "FLOAT64_IEEE": 8}  # by type of A2L
-_Row = tuple[str, str, str, str, str, float, float]
-"""A measurement: name, member of the state, meaning, unit, type of A2L, least and largest value."""
 
 
 class Number(NamedTuple):
-    """A number of the car, or one for each of ``parts``: the axles, or the inputs."""
+    """A number of the car, or several."""
 
     name: str
     value: float | list[float]
     comment: str  # what it is, with its unit in brackets
-    parts: tuple[str, ...] = ()
+    parts: tuple[str, ...] = ()  # names of several numbers: the axles, or the inputs
 
     @property
     def values(self) -> list[float]:
@@ -55,19 +53,19 @@ class Number(NamedTuple):
 
 
 def source(name: str, /, **facts: Any) -> str:
-    """Return a file of the code in C, made from its template."""
+    """Return a file of the code in C, made from the template ``name``."""
     return templates("calib.ecu", markup=False).get_template(name).render(facts)
 
 
 def code(precision: Precision) -> str:
-    """Return bte.c in a precision."""
+    """Return bte.c."""
     equations = (resources.files("calib.estimation") / "equations.py").read_text(encoding="utf-8")
     bits = precision.floating
     return source("bte.c", equations=translated(equations), floating=bits, **_SERIES[bits])
 
 
 def header(numbers: Iterable[Number], precision: Precision) -> tuple[str, str]:
-    """Return bte.h with the ``numbers`` of a car, and the checksum of its text, the layout."""
+    """Return bte.h with the ``numbers`` of a car, and its layout, the checksum of the text."""
     parts = {type(x).__name__: x for _, x in members_of(State()) if is_dataclass(x)}
     facts = {
         "real": "float" if precision.floating == 32 else "double", "cell": cell(precision),
@@ -101,7 +99,7 @@ def members_of(part: Any) -> list[tuple[str, Any]]:
 
 @cache
 def comments(class_name: str) -> dict[str, str]:
-    """Return the comment behind each member of `Constants` or of a part of the state."""
+    """Return the comment behind each member of a class, `Constants` or a part of the state."""
     text = inspect.getsource({**vars(constants), **vars(state)}[class_name])
     row = r"^    (\w+): [^#\n]*(?:# (.*(?:\n    # .*)*))?$"
     return {name: x.replace("\n    #", "") for name, x in re.findall(row, text, re.MULTILINE)}
@@ -135,9 +133,9 @@ def calibrated(numbers: Iterable[Number], first: str, size: int) -> list[Scalar]
             part, member = (x.parts[i], f"{x.name}[{i}]") if x.parts else ("", x.name)
             name = "version" if x.name == "version" else f"c_{x.name}_{part}".removesuffix("_")
             unit = CHANNELS[part].unit if part in CHANNELS else unit
+            scalar = Scalar(label(first, name), meaning, unit, np.array([value]), None, sigma=None)
             place = Within(f"{first}_numbers", member, size * len(scalars))
-            about = label(first, name), meaning, unit, np.array([value]), None
-            scalars.append(Scalar(*about, sigma=None, within=place))
+            scalars.append(replace(scalar, within=place))
     return scalars
 
 
@@ -146,49 +144,52 @@ def measured(first: str, size: int) -> Iterator[Measured]:
 
     The labels are FIRST_NAME with the names of every other export; numbers have ``size`` bytes.
     """
-    offset, real = 0, "FLOAT32_IEEE" if size == 4 else "FLOAT64_IEEE"
-    for name, member, meaning, unit, kind, low, high in (*_counters(), *_numbers(real)):
-        width = _BYTES[kind]
-        offset += -offset % width
-        place = Within(_STATE, member, offset)
-        yield Measured(f"{first}_{name}", meaning, unit, kind, low, high, place)
-        offset += width
+    offset, kind = 0, "FLOAT32_IEEE" if size == 4 else "FLOAT64_IEEE"
+    for x in (*_counters(), *_numbers(kind)):
+        offset += -offset % _BYTES[x.kind]
+        place = x.within._replace(offset=offset)
+        yield x._replace(label=f"{first}_{x.label}", within=place)
+        offset += _BYTES[x.kind]
 
 
-def _counters() -> Iterator[_Row]:
+def _counters() -> Iterator[Measured]:
     """Return the reason, the layout, the bits of what fails, how often and how long it did."""
     causes = {**{name: f"sensor of {name}" for name in CHANNELS}, **CHECKS}
     reasons = "; ".join(f"{int(x)} {x.words}" for x in Reason)[:250]
     bits = f"bits of what fails, from the lowest: {' '.join(causes)}"[:250]
-    yield "reason", "reason", reasons, "1", "ULONG", 0.0, 255.0
-    yield "layout", "layout", "checksum of the structures in bte.h", "1", "ULONG", 0.0, 2.0**32 - 1
-    yield "diagnosis", "diagnosis", bits, "1", "ULONG", 0.0, 2.0 ** len(causes) - 1.0
-    for counter, meaning, kind in (
+    for name, meaning, high in (
+        ("reason", reasons, 255.0),
+        ("layout", "checksum of the structures in bte.h", 2.0**32 - 1),
+        ("diagnosis", bits, 2.0 ** len(causes) - 1.0),
+    ):
+        yield Measured(name, meaning, "1", "ULONG", 0.0, high, Within(_STATE, name))
+    for counter, words, kind in (
         ("lasted", "calls in which it failed", "ULONG"),
         ("often", "how often it began to fail", "UWORD"),
     ):
         high = 2.0 ** (8 * _BYTES[kind]) - 1.0
         for i, (name, cause) in enumerate(causes.items()):
-            about = f"{meaning}: {cause}"
-            yield f"{counter}_{name}", f"{counter}[{i}]", about, "1", kind, 0.0, high
+            meaning, place = f"{words}: {cause}", Within(_STATE, f"{counter}[{i}]")
+            yield Measured(f"{counter}_{name}", meaning, "1", kind, 0.0, high, place)
 
 
-def _numbers(kind: str) -> Iterator[_Row]:
+def _numbers(kind: str) -> Iterator[Measured]:
     """Return the inputs, the answers with their bounds and the states of the filters."""
     for x in CHANNELS.values():
-        yield x.name, f"last.{x.name}", x.meaning, x.unit, kind, x.low, x.high
-    for x in ANSWERS.values():
+        place = Within(_STATE, f"last.{x.name}")
+        yield Measured(x.name, x.meaning, x.unit, kind, x.low, x.high, place)
+    for y in ANSWERS.values():
         for end, part in (("", "median"), ("_lower", "lower"), ("_upper", "upper")):
-            about, member = f"{x.meaning}, {part}", f"answers.{x.name}.{part}"
-            yield x.name + end, member, about, x.unit, kind, 0.0, MOST
+            meaning, place = f"{y.meaning}, {part}", Within(_STATE, f"answers.{y.name}.{part}")
+            yield Measured(y.name + end, meaning, y.unit, kind, 0.0, MOST, place)
     for path, comment in _states(State()):
-        about, unit = _meaning_and_unit(comment, path[-1])
-        member = f"filters.{'.'.join(path)}"
-        yield "_".join(("state", *path)), member, about, unit, kind, -MOST, MOST
+        meaning, unit = _meaning_and_unit(comment, path[-1])
+        name, place = "_".join(("state", *path)), Within(_STATE, ".".join(("filters", *path)))
+        yield Measured(name, meaning, unit, kind, -MOST, MOST, place)
 
 
 def _states(part: Any, *path: str) -> Iterator[tuple[tuple[str, ...], str]]:
-    """Return each number of a part of the state: its names from the state on, its comment."""
+    """Return each number of a part of the state: the names on the way to it, its comment."""
     for name, x in members_of(part):
         if is_dataclass(x):
             yield from _states(x, *path, name)
@@ -197,6 +198,6 @@ def _states(part: Any, *path: str) -> Iterator[tuple[tuple[str, ...], str]]:
 
 
 def _meaning_and_unit(comment: str, name: str) -> tuple[str, str]:
-    """Return a comment and the last unit in it; without a comment the name in words, and SI."""
+    """Return a comment and the last unit in it; if it is empty the name in words, and SI."""
     units = re.findall(r"\[([^\]]+)\]", comment)
     return comment or name.replace("_", " "), units[-1] if units else "SI"

@@ -2,7 +2,7 @@
 
     calib/estimation/equations.py --ast.parse--> definitions --translated--> functions of bte.c
 
-These are the rules. Code that has none raises ValueError.
+These are the rules. Code without a rule raises ValueError.
 
     Python                         C
     a NamedTuple                   a structure of its fields
@@ -13,9 +13,10 @@ These are the rules. Code that has none raises ValueError.
     return Name(a, b)              a structure that is initialised, then returned
     if, return, x += ..., a call   the same
     x.a.b                          x->a.b, since all parameters with members are pointers
-    s.a of a `BlockState` s        the part of the state that `block_state` reads for it
+    s.a of a `BlockState` s        the part of the state from which `block_state` makes it
 
-C computes 1/2 in integers, for one, so the tests compare the numbers of both languages.
+The translation does not guard against all differences, such as 1/2, which is 0 in C. So the tests
+compare the numbers of both languages.
 """
 
 import ast
@@ -33,7 +34,7 @@ _TYPES = {
 }  # fmt: skip
 """Types in C by those of Python. Other classes are structures of equations.py."""
 _NOT_INLINED = {"update", "update_zero", "reset_speed", "share_of"}
-"""Functions that would cost too much flash if the compiler wrote them out at each call."""
+"""Functions that would cost too much flash if the compiler copied them into each caller."""
 _VIEW, _VIEW_OF = "BlockState", "block_state"
 """The tuple that C does not have, and the function that makes it from the state."""
 _SPELLINGS = {
@@ -51,7 +52,7 @@ _SPELLINGS = {
 def translated(source: str) -> str:
     """Return the functions and NamedTuples of a module in C, in their order.
 
-    Raises ValueError for a statement that has no counterpart there.
+    Raises ValueError for a statement without a rule.
     """
     kinds = ast.ClassDef | ast.FunctionDef
     definitions = {x.name: x for x in ast.parse(source).body if isinstance(x, kinds)}
@@ -71,7 +72,7 @@ def structure(name: str) -> str:
 
 
 def _parts(view: ast.AST, maker: ast.AST) -> dict[str, str]:
-    """Return the part of the state in C by the field of a `BlockState` that it becomes."""
+    """Return the part of the state in C by the field of a ``view`` that its ``maker`` makes."""
     fields = [ast.unparse(x.target) for x in ast.walk(view) if isinstance(x, ast.AnnAssign)]
     returned = [x.value for x in ast.walk(maker) if isinstance(x, ast.Return)]
     parts = [part for x in returned if isinstance(x, ast.Call) for part in x.args]
@@ -152,14 +153,14 @@ def _declared(annotation: ast.expr | None, name: str) -> str:
 
 
 def _in_c(node: ast.AST) -> str:
-    text = ast.unparse(_Shape().visit(node))
+    text = ast.unparse(_Reshaped().visit(node))
     for python, c in _SPELLINGS.items():
         text = re.sub(python, c, text)
     return text
 
 
-class _Shape(ast.NodeTransformer):
-    """Change what C writes in another shape, still with the words of Python."""
+class _Reshaped(ast.NodeTransformer):
+    """Change expressions that C writes in another order: powers, conditions, calls."""
 
     def visit_BinOp(self, node: ast.BinOp) -> ast.expr:
         left, right = self.visit(node.left), self.visit(node.right)

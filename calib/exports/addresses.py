@@ -46,8 +46,10 @@ def find_addresses(path: Path, data: Dataset) -> Addresses:
     except Exception as cause:  # a damaged file makes pyelftools raise almost anything
         message = f"is damaged: {str(cause) or type(cause).__name__}"
         raise ProgramError(message, where=path, do="copy or link it again") from cause
-    moved = "it is position-independent: its addresses count from where it is loaded"
-    remarks = [f"{path.name}: {moved}"] if elf["e_type"] == "ET_DYN" else []
+    remarks = []
+    if elf["e_type"] == "ET_DYN":
+        moved = "it is position-independent: its addresses count from where it is loaded"
+        remarks.append(f"{path.name}: {moved}")
     absent = {x.within.symbol for x in data.measured} - symbols.keys()
     if absent:
         remarks.append(f"{path.name}: no {', '.join(absent)}: measurements have no address")
@@ -58,7 +60,7 @@ def find_addresses(path: Path, data: Dataset) -> Addresses:
 
 
 def _symbols(path: Path, elf: Any, data: Dataset) -> dict[str, Any]:
-    """Return the global, defined symbol of each object."""
+    """Return the global, defined symbols of the objects by name. Measured ones may be missing."""
     tables = list(elf.iter_sections("SHT_SYMTAB"))
     if not tables or elf["e_type"] == "ET_REL":
         expected = "the linked program as the linker wrote it, before `strip`"
@@ -93,10 +95,10 @@ def _check_same(path: Path, data: Dataset, constant: Object, elf: Any, symbol: A
     if constant.fixed is not None:
         values = constant.fixed.raw.astype(f"i{constant.fixed.bits // 8}")
     kind = values.dtype.newbyteorder("<" if elf.little_endian else ">")
-    size, stored_bytes = symbol["st_size"], _bytes_of(path, elf, symbol)
-    if constant.within is not None and stored_bytes is not None:
-        size, stored_bytes = values.nbytes, stored_bytes[constant.within.offset :][: values.nbytes]
-    if size != values.nbytes or stored_bytes not in (None, values.astype(kind).tobytes()):
+    size, in_program = symbol["st_size"], _bytes_of(path, elf, symbol)
+    if constant.within is not None and in_program is not None:
+        size, in_program = values.nbytes, in_program[constant.within.offset :][: values.nbytes]
+    if size != values.nbytes or in_program not in (None, values.astype(kind).tobytes()):
         raise ProgramError(
             f"holds other numbers in {constant.label}, {size} bytes",
             where=path,

@@ -1,8 +1,6 @@
-"""Build the data set of a table.
+"""Build the data set of a table: curves, maps and parameters with labels.
 
-    curves, maps, parameters --rows, precision, labels--> `calib.exports.dataset.Dataset`
-
-It has all rows of the table or the best few, in floating point or in fixed point.
+The data set has all rows of the table or the best few, in floating point or in fixed point.
 """
 
 from collections.abc import Iterator, Sequence
@@ -23,7 +21,7 @@ from calib.table.table import Table
 
 UNIT = "1"  # of every axis and curve: speed ratios, slips and normalised forces
 
-_SHORT = {  # labels of effects that nearly every table has; others are EFFECT_PARAMETER
+_SHORT = {  # labels of effects that nearly every table has; others are called EFFECT_PARAMETER
     ("aerodynamic_drag", "drag_area"): "drag_area",
     ("rolling_resistance", "coefficient"): "rolling_coeff",
 }
@@ -45,7 +43,7 @@ _COLUMNS = {
     "prior": "share of the ratio that is prior",
 }
 _BOUNDS = ("_lower", "_upper")
-_FLAT = {"log_slip", "log_slip_sigma", "share"}  # constant along the last axis, and without it
+_FLAT = {"log_slip", "log_slip_sigma", "share"}  # exported without the last axis: constant along it
 
 
 def build(
@@ -88,21 +86,24 @@ def _curves_of(table: Table, first: str, precision: Precision) -> Iterator[tuple
         "D": ("D = F_f - F_r", d.D, d.lower, d.upper, d.count, d.flag),
     }
     over_slip = {"g": (_TYRE, g.force, g.lower, g.upper, g.count, g.flag)}
-    for name, meaning, x, shared, origin, over in (
+    for name, meaning, x, shared, origin, curves in (
         ("eta", _ETA, p.eta, True, 1.0, over_eta),
         ("slip", "slip of the wheel", g.slip, False, 0.0, over_slip),
     ):
         name = label(first, name)
-        y = np.array([values for _, values, *_ in over.values()])
+        y = np.array([values for _, values, *_ in curves.values()])
         rows = precision.rows(name, x, y)
         error, written = misfit(x, y, x[rows], y[:, rows]), precision.axis(name, x[rows], origin)
         axis = Axis(name, meaning, UNIT, *written, shared, origin, len(x), error)
-        curves = []
-        for column, (text, *columns) in over.items():
+        grids = []
+        for column, (text, *columns) in curves.items():
             values, low, high, count, flag = (each[rows] for each in columns)
-            named = label(first, column), text, UNIT, *precision.numbers(values)
-            curves.append(Grid(*named, column, (low, high), count, flag, axes=(axis,)))
-        yield axis, curves
+            numbers = precision.numbers(values)
+            grids.append(
+                Grid(label(first, column), text, UNIT, *numbers, column, (low, high), count, flag,
+                     axes=(axis,))
+            )  # fmt: skip
+        yield axis, grids
 
 
 def _name(part: str, name: str) -> str:
@@ -140,13 +141,15 @@ def maps_of(
 
 
 def _grid(name: str, column: str, axes: tuple[Axis, ...], exported: WrittenMap) -> Grid:
-    end = next((end for end in _BOUNDS if column.endswith(end)), "")
-    quantity = _COLUMNS[column.removesuffix(end)]
-    meaning = f"{end[1:]} 95 % bound of {quantity}" if end else quantity
-    ends = [exported.columns[column + e].values for e in _BOUNDS if column + e in exported.columns]
-    bounds = (ends[0], ends[1]) if ends else None
-    whole = Grid(name, meaning, UNIT, *exported.columns[column], column, bounds, axes=axes)
-    return _cut(whole, 0) if column in _FLAT else whole
+    """Return a column of a map as a grid with the label ``name``."""
+    columns = exported.columns
+    quantity, underscore, end = column.rpartition("_")
+    is_bound = underscore + end in _BOUNDS
+    meaning = f"{end} 95 % bound of {_COLUMNS[quantity]}" if is_bound else _COLUMNS[column]
+    lower, upper = (columns.get(column + bound) for bound in _BOUNDS)
+    bounds = (lower.values, upper.values) if lower and upper else None
+    grid = Grid(name, meaning, UNIT, *columns[column], column, bounds, axes=axes)
+    return _cut(grid, 0) if column in _FLAT else grid
 
 
 def _cut(grid: Grid, index: int) -> Grid:
@@ -162,7 +165,7 @@ def _cut(grid: Grid, index: int) -> Grid:
 
 
 def sliced(grid: Grid, rows: Sequence[float] = ()) -> list[Grid]:
-    """Return a map at each of ``rows``, or of all values of its last axis: NAME_s1, NAME_s2, ..."""
+    """Return NAME_s1, NAME_s2, ...: a map at each of ``rows`` of its last axis, or at all."""
     return [
         replace(
             _cut(grid, grid.axis.numbers.index(x)), label=label(grid.label, f"s{i}"),

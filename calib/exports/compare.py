@@ -12,7 +12,7 @@ import numpy as np
 
 from calib.base.errors import ExchangeError, TableNotFound
 from calib.exports.build import build, maps_of, sliced
-from calib.exports.dataset import Content, Grid
+from calib.exports.dataset import Content, Grid, Numbers
 from calib.exports.read import CDF, Returned
 from calib.exports.symbols import prefix
 from calib.exports.write import FORMATS
@@ -26,17 +26,17 @@ _EDITED = "the numbers do not agree with its checksum"
 
 
 class Pair(NamedTuple):
-    """A number ``read`` in a file and the ``true`` one of the table; ``where``: label and place."""
+    """A number that was ``read`` in a file, and the ``true`` one of the table."""
 
-    where: str
+    where: str  # label and place
     read: float
     true: float
 
 
 def _best_rounding(pairs: Sequence[Pair]) -> tuple[str, list[Pair]]:
-    """Return the rounding that explains most of the numbers read, and the pairs that it does not.
+    """Return the rounding that explains most of the numbers, and the pairs that are left.
 
-    The rounding is "" where the numbers are those of the table to the last bit.
+    The rounding is "" if the numbers are those of the table to the last bit.
 
     >>> _best_rounding([Pair("a", 0.333333, 1 / 3), Pair("b", 666.667, 2000 / 3)])
     ('to 6 significant digits', [])
@@ -57,12 +57,12 @@ def _best_rounding(pairs: Sequence[Pair]) -> tuple[str, list[Pair]]:
 
 
 def _rounded(x: float, form: str) -> list[float]:
-    """Return what a format makes of a number in double and in single precision."""
+    """Return a number in double and in single precision, as text of a format has it."""
     return [float(f"{number:{form}}") for number in (x, float(np.float32(x)))]
 
 
 def parent(file: Returned, store: Store) -> Stored | None:
-    """Return the version that is named in the head of a file, else by its labels; None if unknown.
+    """Return the version that a file names in its head or else by its labels; None if unknown.
 
     Raises DamagedTable, and ExchangeError where several tables have such labels.
     """
@@ -117,11 +117,11 @@ def difference(file: Returned, stored: Stored | None) -> Difference:
 def _compared(file: Returned, content: Content, edited: list[str]) -> Difference:
     """Compare a file with the numbers of a table; ``edited``: its contradiction to its checksum."""
     rounded, changed = _best_rounding(list(_pairs(file.content, content)))
-    wrong = [f"{x.where}: {x.read!r}, the table has {x.true!r}" for x in changed]
-    absent = tuple(sorted(_labels(content) - _labels(file.content)))
-    return Difference(
-        [*([] if rounded else edited), *wrong, *_structural_flaws(file, content)], rounded, absent
-    )
+    wrong = [] if rounded else edited.copy()
+    wrong += [f"{x.where}: {x.read!r}, the table has {x.true!r}" for x in changed]
+    wrong += _structural_flaws(file, content)
+    missing = tuple(sorted(_labels(content) - _labels(file.content)))
+    return Difference(wrong, rounded, missing)
 
 
 def _labels(content: Content) -> set[str]:
@@ -129,7 +129,7 @@ def _labels(content: Content) -> set[str]:
 
 
 def _candidates(stored: Stored, file: Returned) -> Iterator[Content]:
-    """Yield the numbers of a table as an export to this format, then as those of C code have them.
+    """Yield the numbers of a table as an export to this format has them, then as for C code.
 
     A map with more axes than the format allows is sliced at the rows of the file.
     """
@@ -142,32 +142,34 @@ def _candidates(stored: Stored, file: Returned) -> Iterator[Content]:
         maps += sliced(grid, near) if len(grid.axes) > most else [grid]
     yield replace(data, maps=tuple(maps)).content()
     points = max((len(x) for x in file.content.axes.values()), default=None)
-    for bits in (None, *BITS):  # code has its maps at rounded axes, which depend on the precision
+    for bits in (None, *BITS):  # maps for code have rounded axes, which depend on the precision
         how = Precision(points, bits, single=bits is None, code=True)
         axes, grids = zip(*maps_of(stored.table, file.prefix, how, most), strict=True)
         flat_axes, flat_maps = (tuple(chain.from_iterable(x)) for x in (axes, grids))
         yield replace(data, axes=flat_axes, maps=flat_maps).content()
 
 
-def _pairs(read: Content, whole: Content) -> Iterator[Pair]:
+def _pairs(read: Content, table: Content) -> Iterator[Pair]:
     """Pair each number of a file with that of the same label at the nearest row of the table."""
-    for name in sorted(read.scalars.keys() & whole.scalars.keys()):
-        yield Pair(name, read.scalars[name], whole.scalars[name])
-    axes, theirs = (
-        content.axes | {f"{n}, axis": x[0] for n, (x, _) in content.grids.items() if len(x) == 1}
-        for content in (read, whole)
-    )
-    for name in sorted(axes.keys() & theirs.keys()):
-        near = _nearest(axes[name], theirs[name])
-        yield from (Pair(name, x, row) for x, row in zip(axes[name], near, strict=True))
-    for name in sorted(read.grids.keys() & whole.grids.keys()):
-        (over, values), (whole_over, cells) = read.grids[name], whole.grids[name]
-        by_place = dict(zip(product(*whole_over), cells, strict=True))
-        rows = product(*(_nearest(x, row) for x, row in zip(over, whole_over, strict=True)))
-        for place, value, cell in zip(product(*over), values, rows, strict=True):
-            yield Pair(
-                f"{name} at {place if len(place) > 1 else place[0]!r}", value, by_place[cell]
-            )
+    for name in sorted(read.scalars.keys() & table.scalars.keys()):
+        yield Pair(name, read.scalars[name], table.scalars[name])
+    read_axes, table_axes = _all_axes(read), _all_axes(table)
+    for name in sorted(read_axes.keys() & table_axes.keys()):
+        near = _nearest(read_axes[name], table_axes[name])
+        yield from (Pair(name, x, row) for x, row in zip(read_axes[name], near, strict=True))
+    for name in sorted(read.grids.keys() & table.grids.keys()):
+        (axes, values), (all_rows, cells) = read.grids[name], table.grids[name]
+        by_place = dict(zip(product(*all_rows), cells, strict=True))
+        near_rows = product(*(_nearest(x, rows) for x, rows in zip(axes, all_rows, strict=True)))
+        for place, value, cell in zip(product(*axes), values, near_rows, strict=True):
+            where = place if len(place) > 1 else place[0]
+            yield Pair(f"{name} at {where!r}", value, by_place[cell])
+
+
+def _all_axes(content: Content) -> dict[str, Numbers]:
+    """Return the shared axes by label, and the axis of each curve."""
+    grids = content.grids.items()
+    return content.axes | {f"{name}, axis": x[0] for name, (x, _) in grids if len(x) == 1}
 
 
 def _nearest(points: Sequence[float], rows: Sequence[float]) -> Sequence[float]:
@@ -180,18 +182,18 @@ def _nearest(points: Sequence[float], rows: Sequence[float]) -> Sequence[float]:
     return [min(rows, key=lambda row: abs(row - x)) for x in points]
 
 
-def _structural_flaws(file: Returned, whole: Content) -> list[str]:
+def _structural_flaws(file: Returned, table: Content) -> list[str]:
     """Return labels that the table does not have, and curves that do not span the table.
 
     A tool may save other objects of an ECU, too; the labels of this table begin with its name.
     """
-    more = _labels(file.content) - _labels(whole)
-    gaps = [f"{name}: only in the file" for name in more if name.startswith(f"{file.prefix}_")]
-    for name in file.content.grids.keys() & whole.grids.keys():
-        for x, rows in zip(file.content.grids[name][0], whole.grids[name][0], strict=True):
-            row = _nearest(x, rows)
-            if (row[0], row[-1]) != (rows[0], rows[-1]):
-                gaps.append(f"{name}: does not reach both ends of the table")
-            elif len(set(row)) != len(row):
-                gaps.append(f"{name}: two of its points are one row of the table")
-    return sorted(gaps)
+    unknown = _labels(file.content) - _labels(table)
+    flaws = [f"{name}: only in the file" for name in unknown if name.startswith(f"{file.prefix}_")]
+    for name in file.content.grids.keys() & table.grids.keys():
+        for x, rows in zip(file.content.grids[name][0], table.grids[name][0], strict=True):
+            near = _nearest(x, rows)
+            if (near[0], near[-1]) != (rows[0], rows[-1]):
+                flaws.append(f"{name}: does not reach both ends of the table")
+            elif len(set(near)) != len(near):
+                flaws.append(f"{name}: two of its points are one row of the table")
+    return sorted(flaws)

@@ -20,29 +20,28 @@ _CLAMP = (
     "the estimator marks such samples as not valid"
 )
 _NOT_RELEASED = "NOT RELEASED, not for use in a vehicle: "
-_KINDS = ("VALUE", "CURVE", "MAP", "CUBOID")  # words of A2L and CDF by number of axes
+_KINDS = ("VALUE", "CURVE", "MAP", "CUBOID")  # in A2L and CDF, by number of axes
 MOST_AXES = len(_KINDS) - 1  # of an object in A2L and CDF
 
 Numbers = tuple[float, ...]
+Cells = tuple[tuple[Numbers, ...], Numbers]
+"""Axes of a curve or map, the slowest first, and its values."""
 
 
 @dataclass(frozen=True)
 class Content:
-    """The numbers of an export by label: shared axes, scalars, and ``grids``, curves and maps.
+    """The numbers of an export by label."""
 
-    A grid is a tuple of its axes, the slowest first, and of its values.
-    """
-
-    axes: dict[str, Numbers]
+    axes: dict[str, Numbers]  # those that several curves or maps share
     scalars: dict[str, float]
-    grids: dict[str, tuple[tuple[Numbers, ...], Numbers]]
+    grids: dict[str, Cells]  # curves and maps
 
     def __len__(self) -> int:
         return len(self.axes) + len(self.scalars) + len(self.grids)
 
     @property
     def checksum(self) -> str:
-        """SHA-256 over labels and numbers with all their bits [hex]."""
+        """SHA-256 over labels and numbers with all their bits, in hex."""
         lines = [f"scalar {name} {float(x).hex()}" for name, x in sorted(self.scalars.items())]
         lines += [f"axis {name} {_hex(x)}" for name, x in sorted(self.axes.items())]
         grids = {"curve": list[str](), "map": list[str]()}
@@ -59,34 +58,30 @@ def _hex(values: Numbers) -> str:
 
 @dataclass(frozen=True)
 class Object:
-    """An object with a label and ``values`` (n,) in ``unit``.
-
-    ``fixed``: the values in fixed point, None in floating point. ``axes`` of a curve or map, the
-    slowest first. ``within``: place of the object if it is part of a larger one in the memory.
-    """
+    """Numbers under one label: an axis, a curve or map, or a scalar."""
 
     label: str
     meaning: str
     unit: str
-    values: Array
-    fixed: Fixed | None
-    axes: tuple["Axis", ...] = field(default=(), kw_only=True)
-    within: Within | None = field(default=None, kw_only=True)
+    values: Array  # (n,) [unit]
+    fixed: Fixed | None  # the values in fixed point, None in floating point
+    axes: tuple["Axis", ...] = field(default=(), kw_only=True)  # the slowest first
+    within: Within | None = field(default=None, kw_only=True)  # place in a larger object, if any
 
     @property
     def place(self) -> Within:
-        """Place of the object in the memory; by default it has a symbol of its own."""
+        """Place in the memory. An object that is part of no larger one has its own symbol."""
         return self.within or Within(self.label)
 
     @property
     def kind(self) -> str:
-        """Kind of the object, as A2L and CDF call it."""
+        """Kind of the object in A2L and CDF."""
         return "AXIS_PTS" if isinstance(self, Axis) else _KINDS[len(self.axes)]
 
     @property
     def numbers(self) -> list[float]:
         """The values as floats of Python, whose texts read back to the last bit."""
-        return [float(x) for x in self.values]
+        return list(map(float, self.values))
 
     @property
     def span(self) -> str:
@@ -96,16 +91,12 @@ class Object:
 
 @dataclass(frozen=True)
 class Axis(Object):
-    """Breakpoints, which increase strictly.
+    """Breakpoints, which increase strictly."""
 
-    ``shared``: whether several curves have this axis. ``origin`` of the fixed point. ``rows``:
-    number of rows of the table. ``misfit``: interpolation error between the breakpoints.
-    """
-
-    shared: bool
-    origin: float
-    rows: int
-    misfit: Misfit
+    shared: bool  # whether several curves or maps have this axis
+    origin: float  # of the fixed point
+    rows: int  # number of rows of the table
+    misfit: Misfit  # interpolation error between the breakpoints
 
     @property
     def reduced(self) -> bool:
@@ -128,14 +119,13 @@ class Axis(Object):
 class Grid(Object):
     """A curve or map: values (n,) at every combination of its axes, the first axis the slowest.
 
-    ``column`` is the name in the table. A curve has 95 % ``bounds``, a ``count`` of blocks and a
-    ``flag`` in each row. A map has None for all three: its bounds are grids of their own.
+    The bounds of a map are grids of their own, too.
     """
 
-    column: str
-    bounds: tuple[Array, Array] | None
-    count: Array | None = None
-    flag: Array | None = None
+    column: str  # name in the table
+    bounds: tuple[Array, Array] | None  # lower and upper end of 95 %, if the column has bounds
+    count: Array | None = None  # of blocks in each row of a curve, None of a map
+    flag: Array | None = None  # of each row of a curve, None of a map
 
     @property
     def axis(self) -> Axis:
@@ -167,25 +157,22 @@ class Scalar(Object):
 
 @dataclass(frozen=True)
 class Dataset:
-    """The exported data of a version, in integers of ``bits``, in ``single`` precision or double.
-
-    ``prefix``: first part of all labels. ``addresses`` and ``measured`` variables are for A2L.
-    """
+    """The exported data of a version: integers of ``bits``, or ``single`` precision, or double."""
 
     stored: Stored
-    prefix: str
+    prefix: str  # first part of all labels
     axes: tuple[Axis, ...]
     curves: tuple[Grid, ...]
     maps: tuple[Grid, ...]
     scalars: tuple[Scalar, ...]
     bits: int | None
     single: bool
-    addresses: Addresses = field(default_factory=Addresses)
-    measured: tuple[Measured, ...] = ()
+    addresses: Addresses = field(default_factory=Addresses)  # for A2L
+    measured: tuple[Measured, ...] = ()  # variables for A2L
 
     @property
     def epk(self) -> str:
-        """Label of the text in the memory that identifies the table: its digest."""
+        """Label of the digest in the memory, by which A2L identifies the program: its EPK."""
         return f"{self.prefix}_digest"
 
     @property
@@ -195,12 +182,12 @@ class Dataset:
 
     @property
     def lines(self) -> tuple[Grid, ...]:
-        """Curves, and maps of one axis."""
+        """Curves, and maps that have one axis."""
         return tuple(grid for grid in (*self.curves, *self.maps) if len(grid.axes) == 1)
 
     @property
     def surfaces(self) -> tuple[Grid, ...]:
-        """Maps of several axes."""
+        """Maps that have several axes."""
         return tuple(grid for grid in self.maps if len(grid.axes) > 1)
 
     @property
@@ -224,12 +211,14 @@ class Dataset:
         return "checked" if self.stored.state.verdict else "calibrated"
 
     def content(self) -> Content:
-        """The numbers by label."""
-        grids = (*self.curves, *self.maps)
+        """Return the numbers by label."""
+        grids: dict[str, Cells] = {}
+        for grid in (*self.curves, *self.maps):
+            grids[grid.label] = tuple(tuple(x.numbers) for x in grid.axes), tuple(grid.numbers)
         return Content(
             {axis.label: tuple(axis.numbers) for axis in self.axes if axis.shared},
             {scalar.label: scalar.numbers[0] for scalar in self.scalars},
-            {x.label: (tuple(tuple(a.numbers) for a in x.axes), tuple(x.numbers)) for x in grids},
+            grids,
         )
 
     def facts(self) -> dict[str, str]:

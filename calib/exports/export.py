@@ -23,7 +23,7 @@ an FMU of the simulated car, whose sensors the estimator reads."""
 
 
 def _form_of(path: Path, written: str | None) -> str:
-    """Return the format that is named, in upper or lower case, else that of the file's ending."""
+    """Return the format that is named (in upper or lower case), else that of the file's ending."""
     endings = {f".{ending}": name for name, ending in ENDINGS.items()}
     form = endings.get(path.suffix.lower(), "") if written is None else written.lower()
     if form in FORMATS:
@@ -38,7 +38,7 @@ def _form_of(path: Path, written: str | None) -> str:
 
 @dataclass(frozen=True)
 class Exported:
-    """A file that was written: its ``content`` is ``data`` in the format ``form``."""
+    """A written file: its ``content`` is ``data`` in the format ``form``."""
 
     path: Path
     form: str
@@ -50,12 +50,12 @@ class Exported:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Assumptions of the file about the ECU's memory, in sentences."""
+        """Assumptions of the file about the ECU's memory, in words."""
         return self.data.addresses.remarks if FORMATS[self.form].addressed else ()
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Axes with fewer points than the table has rows, and assumptions about the memory."""
+        """Axes with fewer points than the table has rows, and the ``remarks``, in words."""
         reduced = (f"{axis.label}: {axis.placed}" for axis in self.data.axes if axis.reduced)
         return (*reduced, *self.remarks)
 
@@ -138,14 +138,14 @@ def export(
     points : breakpoints on each axis, at the rows with the least error; all rows if not given.
     bits : of the fixed point, 8, 16 or 32; for c-header and a2l.
     single : in single precision; for c-header and a2l.
-    prefix : first part of every label, that of the table's name if not given.
+    prefix : first part of every label; the table's name if not given.
     elf : linked program with the C header (ELF), for the addresses of an a2l.
-    unreleased : write what is not released, too; the file then says so.
-    without_effects : known effects of the car that an ECU cannot sense, which are left to it.
+    unreleased : also write a version that is not released; the file then says so.
+    without_effects : known effects that an ECU cannot sense, so that its answers contain them.
 
-    Raises StoreError for a version that is not released, or with such effects that are not named;
-    ExchangeError for names of no such effect, an unknown format, or one that cannot hold the
-    numbers; ProgramError where ``elf`` does not hold the table; OSError.
+    Raises StoreError for a version that is not released, or has such effects that are not named;
+    ExchangeError for a name that is no such effect, an unknown format, or a format that cannot hold
+    the numbers; ProgramError where ``elf`` does not hold the table; OSError.
 
     >>> import tempfile
     >>> from pathlib import Path

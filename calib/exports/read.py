@@ -1,7 +1,8 @@
 """Read DCM and CDF files back, also files that another tool has saved; refuse damaged ones.
 
 A tool keeps labels and numbers, but seldom the head of the file. So the name of the table comes
-from the head if there is one, else from the labels. DCM is read first, CDF in the second half.
+from the head if there is one, else from the labels. The readers of DCM stand first, then those of
+CDF.
 """
 
 import math
@@ -14,7 +15,7 @@ from xml.etree import ElementTree as ET
 
 from calib.base.bounded import CALIBRATION, bytes_of
 from calib.base.errors import ExchangeError
-from calib.exports.dataset import Content, Numbers
+from calib.exports.dataset import Cells, Content, Numbers
 from calib.exports.symbols import prefix
 
 DCM, CDF = "DCM", "CDF"
@@ -24,17 +25,14 @@ _Parts = tuple[dict[str, str], dict[str, str], Content]  # facts by key, units b
 
 @dataclass(frozen=True)
 class Returned:
-    """A file read back, in the ``format`` DCM or CDF, with the ``facts`` of its head by key.
+    """A file that was read back."""
 
-    ``prefix``: first part of the labels. ``table``: id of the table, by the head or by the labels.
-    """
-
-    format: str
-    facts: dict[str, str]
+    format: str  # DCM or CDF
+    facts: dict[str, str]  # of its head, by key
     units: dict[str, str]  # by label
     content: Content
-    prefix: str
-    table: str
+    prefix: str  # first part of the labels
+    table: str  # id of the table, by the head or by the labels
 
     @property
     def unchanged(self) -> bool | None:
@@ -52,18 +50,20 @@ def read_back(path: Path) -> Returned:
     is_xml = data.lstrip(b"\xef\xbb\xbf \r\n\t").startswith(b"<")
     form, read = (CDF, _read_cdf) if is_xml else (DCM, _read_dcm)
     facts, units, content = read(path, data)
-    firsts = [name.removesuffix(_VERSION) for name in content.scalars if name.endswith(_VERSION)]
-    firsts = [x for x in firsts if f"{x}_D" in content.grids or f"{x}_level" in content.grids]
-    if not firsts and "table" in facts:  # the file has only a part of the table
-        firsts = [prefix(facts["table"].partition("@")[0])]
-    if len(firsts) != 1:
-        labels = f"the labels of {len(firsts)} tables: NAME{_VERSION}, NAME_D or NAME_level"
+    # an ECU may have other objects with NAME_version: a table has NAME_D, its code NAME_level
+    versions = [name for name in content.scalars if name.endswith(_VERSION)]
+    names = [name.removesuffix(_VERSION) for name in versions]
+    names = [x for x in names if f"{x}_D" in content.grids or f"{x}_level" in content.grids]
+    if not names and "table" in facts:  # the file has only a part of the table
+        names = [prefix(facts["table"].partition("@")[0])]
+    if len(names) != 1:
+        labels = f"the labels of {len(names)} tables: NAME{_VERSION}, NAME_D or NAME_level"
         expected = "an export of one table, or that file as another tool saved it"
         raise _bad(path, f"{form} with {labels}", expected)
     if facts.get("objects", str(len(content))) != str(len(content)):
         flaw = f"holds {len(content)} objects and states {facts['objects']}: cut off, or joined"
         raise ExchangeError(flaw, where=path, do="export the table again")
-    (first,) = firsts
+    (first,) = names
     table = facts.get("table") or f"{first}@{content.scalars[first + _VERSION]:.0f}"
     return Returned(form, facts, units, content, first, table)
 
@@ -115,17 +115,20 @@ def _read_dcm(path: Path, data: bytes) -> _Parts:
     blocks = [b for b in (_block(path, part) for part in parts) if b.kind != _FUNCTIONS]
     units = _once(path, ((b.name, b.unit) for b in blocks))
     axes = {b.name: b.numbers[_X] for b in blocks if b.kind == _AXIS}
-    grids: dict[str, tuple[tuple[Numbers, ...], Numbers]] = {}
-    for b in (b for b in blocks if b.kind in (_GROUP, _LINE, _MAP)):
-        arrays = [array for array in (_Y, _X) if array in b.numbers]
-        for array in arrays:
-            axis = b.over.get(array, "no axis")
-            if b.kind != _LINE and axes.get(axis) != b.numbers[array]:
-                message = f"{b.name} is over {axis}, which is missing or differs"
-                raise _bad(path, message, f"the axis it repeats, as {_AXIS}")
-        grids[b.name] = tuple(b.numbers[array] for array in arrays), b.numbers[_W]
+    grids = {b.name: _cells(path, b, axes) for b in blocks if b.kind in (_GROUP, _LINE, _MAP)}
     scalars = {b.name: b.numbers[_W][0] for b in blocks if b.kind == _VALUE}
     return facts, units, Content(axes, scalars, grids)
+
+
+def _cells(path: Path, block: _Block, axes: dict[str, Numbers]) -> Cells:
+    """Return axes and values of a curve or map. It repeats the points of the shared ``axes``."""
+    arrays = [array for array in (_Y, _X) if array in block.numbers]
+    for array in arrays:
+        axis = block.over.get(array, "no axis")
+        if block.kind != _LINE and axes.get(axis) != block.numbers[array]:
+            message = f"{block.name} is over {axis}, which is missing or differs"
+            raise _bad(path, message, f"the axis it repeats, as {_AXIS}")
+    return tuple(block.numbers[array] for array in arrays), block.numbers[_W]
 
 
 def _words(part: str) -> list[list[str]]:
@@ -204,15 +207,15 @@ def _read_cdf(path: Path, text: bytes) -> _Parts:
             raise _bad(f"{path}: {name}", f"category {kind}", ", ".join(values))
         values[kind][name] = _values(path, name, instance.find("SW-VALUE-CONT"))
     axes, named = values["COM_AXIS"], dict(objects)
-    grids: dict[str, tuple[tuple[Numbers, ...], Numbers]] = {}
+    grids: dict[str, Cells] = {}
     for kind, count in _AXES.items():
         for name, numbers in values[kind].items():
-            over = _over(path, name, named[name], axes, count)
-            if len(numbers) != math.prod(map(len, over)):
-                sizes = " by ".join(str(len(x)) for x in over)
+            its_axes = _axes_of(path, name, named[name], axes, count)
+            if len(numbers) != math.prod(map(len, its_axes)):
+                sizes = " by ".join(str(len(x)) for x in its_axes)
                 message = f"{len(numbers)} values over axes of {sizes}"
                 raise ExchangeError(message, where=f"{path}: {name}")
-            grids[name] = over, numbers
+            grids[name] = its_axes, numbers
     scalars = {name: numbers[0] for name, numbers in values["VALUE"].items()}
     return facts, units, Content(axes, scalars, grids)
 
@@ -227,19 +230,19 @@ def _root(path: Path, text: bytes) -> ET.Element:
         raise _bad(path, f"cut off or damaged: {error}", "XML that ends with </MSRSW>") from error
 
 
-def _over(
-    path: Path, curve: str, instance: ET.Element, axes: dict[str, Numbers], count: int
+def _axes_of(
+    path: Path, curve: str, instance: ET.Element, shared: dict[str, Numbers], count: int
 ) -> tuple[Numbers, ...]:
     """Return the axes of a curve or map, the slowest first: its own, or shared ones by label."""
-    over, parts = list[Numbers](), instance.findall("SW-AXIS-CONTS/SW-AXIS-CONT")  # X first
+    axes, parts = list[Numbers](), instance.findall("SW-AXIS-CONTS/SW-AXIS-CONT")  # X first
     if len(parts) != count:
         raise ExchangeError(f"has {len(parts)} of {count} axes", where=f"{path}: {curve}")
     for axis in reversed(parts):
         name = axis.findtext("SW-INSTANCE-REF")
-        if name is not None and name not in axes:
+        if name is not None and name not in shared:
             raise ExchangeError(f"is over {name}, which is missing", where=f"{path}: {curve}")
-        over.append(_values(path, curve, axis) if name is None else axes[name])
-    return tuple(over)
+        axes.append(_values(path, curve, axis) if name is None else shared[name])
+    return tuple(axes)
 
 
 def _values(path: Path, name: str, part: ET.Element | None) -> Numbers:

@@ -9,7 +9,7 @@ from calib.base.digest import sha256
 
 LONGEST, LONGEST_PREFIX = 31, 16
 """Characters of a label (significant in every C99 compiler), and of its first part."""
-_MARK = 4  # digits of the name's digest at the end of a label that was shortened
+_MARK = 4  # digits of a name's digest at the end of a label that is shorter than the name
 _NO_ELF = (
     "all addresses are 0 and little endian is assumed: `tables export --elf FILE` takes them from "
     "the linked program"
@@ -37,6 +37,7 @@ def label(*parts: str) -> str:
 
 
 def _marked(word: str, name: str, longest: int) -> str:
+    """Return ``word`` cut to ``longest`` characters, which end with a mark of the ``name``."""
     mark = sha256(name.encode("utf-8", "surrogatepass"))[:_MARK]
     return f"{word[: longest - _MARK - 1].rstrip('_')}_{mark}"
 
@@ -55,25 +56,22 @@ class Within(NamedTuple):
 
 
 class Measured(NamedTuple):
-    """A variable in the memory, of a ``kind`` of A2L; its range is ``low`` to ``high`` [unit]."""
+    """A variable that a tool can measure in the memory."""
 
     label: str
     meaning: str
     unit: str
-    kind: str
-    low: float
+    kind: str  # type in A2L
+    low: float  # ends of its range [unit]
     high: float
     within: Within
 
 
 @dataclass(frozen=True)
 class Addresses:
-    """Addresses of objects by label; ``remarks`` say what was assumed.
-
-    ``segment``: first address and size of the memory that holds the data [bytes].
-    """
+    """Addresses of objects by label."""
 
     by_label: dict[str, int] = field(default_factory=dict)
-    segment: tuple[int, int] = (0, 0)
+    segment: tuple[int, int] = (0, 0)  # first address and size of the data [bytes]
     big_endian: bool = False
-    remarks: tuple[str, ...] = (_NO_ELF,)
+    remarks: tuple[str, ...] = (_NO_ELF,)  # what was assumed, in words

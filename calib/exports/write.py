@@ -5,12 +5,12 @@
               objects are comments; the number shows a file that was cut off.
     cdfx      CDF 2.0 of ASAM: XML with one SW-INSTANCE per object, elements in the standard's order
     c-header  constants in C99 by MISRA C:2012: declared for every file (8.4, 8.11), defined only
-              in the file that defines <NAME>_DEFINE before its #include (8.6)
+              in the file that defines NAME_DEFINE before its #include (8.6)
     a2l       ASAM MCD-2 MC 1.7.1: types and addresses of the objects of the C header or of the
               code, without values and interface, to be merged into the A2L of the ECU
 
-A map of three axes is a CUBOID. DCM has maps of two axes, so it has one for each value of the
-third axis. Every number is written so that it reads back to the last bit.
+A map of three axes is a CUBOID. DCM has maps of two axes at most: a map of three is written as one
+map for each value of its third axis. Every number is written so that it reads back to the last bit.
 """
 
 import csv
@@ -23,7 +23,7 @@ import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
-from itertools import product
+from itertools import chain, product
 from typing import Any
 from xml.sax.saxutils import escape
 
@@ -47,36 +47,36 @@ COLUMNS = (
 
 _MORE_AXES = ("axis_2", "x_2", "axis_3", "x_3")  # further columns of a data set with maps
 
-_BOM = b"\xef\xbb\xbf"  # mark of UTF-8, which a file of A2L needs if it is not ASCII
+_BOM = b"\xef\xbb\xbf"  # marks UTF-8; A2L needs it unless all is ASCII
 _LONGEST_TEXT = 255  # characters of a text of A2L
 _A2L_TYPES = {8: "SBYTE", 16: "SWORD", 32: "SLONG"}  # by width of the fixed point [bit]
 _DIGITS = 7  # significant digits of the largest number of an object that a tool shows
 _MOST_DECIMALS = 15
-MOST = 1e30  # written as the limit of a number without limits: any floating point holds it
+MOST = 1e30  # limit of a number without limits: any floating point holds it
 
 
 def _write_json(data: Dataset) -> bytes:
-    named = ("label", "meaning", "unit")
-
     def fields_of(constant: Object, *keys: str) -> dict[str, Any]:
         return {key: getattr(constant, key) for key in keys}
 
-    document = {
-        "schema": 1,
-        **data.facts(),
-        "version": data.stored.version,
-        "axes": [fields_of(axis, *named, "values", "shared", "origin", "rows", "misfit")
-                 for axis in data.axes],
-        "curves": [
-            {"label": c.label, "axis": c.axis.label} | fields_of(c, *named[1:], "values")
-            | _bounds(c) | fields_of(c, "count", "flag")
-            for c in data.curves
-        ],
-        **({"maps": [_map(m) for m in data.maps if not m.is_bound]} if data.maps else {}),
-        "scalars": [fields_of(s, *named) | {"value": s.numbers[0], "sigma": s.sigma}
-                    for s in data.scalars],
-        "record": data.stored.table.content()[0],
-    }  # fmt: skip
+    axes = [
+        fields_of(x, "label", "meaning", "unit", "values", "shared", "origin", "rows", "misfit")
+        for x in data.axes
+    ]
+    curves = [
+        {"label": x.label, "axis": x.axis.label} | fields_of(x, "meaning", "unit", "values")
+        | _bounds(x) | fields_of(x, "count", "flag")
+        for x in data.curves
+    ]  # fmt: skip
+    scalars = [
+        fields_of(x, "label", "meaning", "unit") | {"value": x.numbers[0], "sigma": x.sigma}
+        for x in data.scalars
+    ]
+    document = {"schema": 1, **data.facts(), "version": data.stored.version}
+    document |= {"axes": axes, "curves": curves}
+    if data.maps:
+        document["maps"] = [_map(x) for x in data.maps if not x.is_bound]
+    document |= {"scalars": scalars, "record": data.stored.table.content()[0]}
 
     def plain(value: Any) -> Any:
         return value.tolist() if isinstance(value, np.ndarray) else vars(value)
@@ -110,14 +110,17 @@ def _rows(data: Dataset) -> Iterator[tuple[str | float | None, ...]]:
 
 def _cells(grid: Grid) -> Iterator[tuple[str | float | None, ...]]:
     """Return the rows of a curve or map, one for each of its values."""
+    empty = np.full(grid.values.size, None)
+    lower, upper = grid.bounds or (empty, empty)
+    columns = [grid.values, lower, upper]
+    columns += [empty if x is None else x for x in (grid.count, grid.flag)]
     places = product(*([(axis.label, x) for x in axis.numbers] for axis in grid.axes))
-    none = np.full(grid.values.size, None)
-    columns = (grid.values, *(grid.bounds or (none, none)), grid.count, grid.flag)
-    numbers = zip(*((none if x is None else x).tolist() for x in columns), strict=True)
-    for place, (value, *of_curve) in zip(places, numbers, strict=True):
+    missing = [None] * (2 * (MOST_AXES - len(grid.axes)))
+    rows = zip(*(x.tolist() for x in columns), strict=True)
+    for place, numbers in zip(places, rows, strict=True):
         (axis, x), *more = place
-        missing = [None] * (2 * (MOST_AXES - len(place)))
-        further = [*(cell for pair in more for cell in pair), *missing]  # axis_2, x_2, axis_3, x_3
+        value, *of_curve = numbers
+        further = [*chain.from_iterable(more), *missing]  # axis_2, x_2, axis_3, x_3
         yield (grid.label, axis, x, value, grid.unit, *of_curve, grid.meaning, *further)
 
 
@@ -186,20 +189,18 @@ def _type_limits(constant: Object) -> tuple[float, float]:
 def _band(constant: Object) -> Array:
     """Return the ends of the 95 % band of a scalar; of a curve its values and bounds.
 
-    A map has its values alone, as its bounds are grids of their own.
+    Of a map it returns the values alone, as its bounds are grids of their own.
     """
     if isinstance(constant, Scalar):
         return constant.values + Z95 * (constant.sigma or 0.0) * np.array([-1.0, 1.0])
-    ends = constant.bounds if isinstance(constant, Grid) and constant.count is not None else None
-    return np.concatenate((constant.values, *(ends or ())))
+    if isinstance(constant, Grid) and constant.count is not None:
+        return np.concatenate((constant.values, *(constant.bounds or ())))
+    return constant.values
 
 
 def _limits(constant: Object) -> tuple[float, float]:
-    """Return the range of the numbers with their 95 % bounds, within that of the type [unit].
-
-    An object inside a larger one of the C code has no limits.
-    """
-    if constant.within is not None:
+    """Return the range of the numbers with their 95 % bounds, within that of the type [unit]."""
+    if constant.within is not None:  # a number of the C code has no limits
         return -MOST, MOST
     values = constant.values if constant.fixed is None else constant.fixed.values
     band = _band(constant)
@@ -209,7 +210,7 @@ def _limits(constant: Object) -> tuple[float, float]:
 
 
 def _display_format(constant: Object) -> str:
-    """Return the format of A2L: sign, digits before the point, and decimals that show a step."""
+    """Return the format of A2L, %WIDTH.DECIMALS, that shows the smallest step of the numbers."""
     largest = float(np.abs(constant.values).max())
     finest = largest * 10.0**-_DIGITS if constant.fixed is None else constant.fixed.step
     decimals = math.ceil(-math.log10(finest)) if finest > 0.0 else 1
@@ -270,17 +271,13 @@ def _write_a2l(data: Dataset) -> bytes:
 
 @dataclass(frozen=True)
 class _Format:
-    """A format of files with an ``ending``; ``write`` makes the file of a data set.
+    """A format of files."""
 
-    ``fixed``: whether it can be in fixed point and in single precision. ``addressed``: whether it
-    holds addresses of the ECU's memory. ``most_axes``: number of axes that a map in it can have.
-    """
-
-    ending: str
-    write: Callable[[Dataset], bytes]
-    fixed: bool = False
-    addressed: bool = False
-    most_axes: int = MOST_AXES
+    ending: str  # of the file's name
+    write: Callable[[Dataset], bytes]  # makes the file of a data set
+    fixed: bool = False  # whether it can be in fixed point and in single precision
+    addressed: bool = False  # whether it holds addresses of the ECU's memory
+    most_axes: int = MOST_AXES  # that a map in it can have
 
 
 FORMATS = {

@@ -20,12 +20,8 @@ from calib.car.vehicle import Vehicle
 from calib.table.maps import Draws
 from calib.table.table import Calibration
 
-DEPART_AT = np.linspace(0.05, 0.95, 10)
-"""Decelerations of the columns of ``depart_eta`` and ``depart_slip`` [1]."""
-
-TABLE_DRAWS = 400
-"""Draws that a table stores: they give a standard deviation to 4 %."""
-
+DEPART_AT = np.linspace(0.05, 0.95, 10)  # z of the columns of ``depart_eta``, ``depart_slip`` [1]
+TABLE_DRAWS = 400  # draws that a table stores: they give a standard deviation to 4 %
 _LEAST_LOAD = 1e-3  # load of an axle over the weight, below which the axle lifts [1]
 _SLIDING = 0.3  # slip from which on a tyre slides [1]
 
@@ -71,8 +67,7 @@ class Ensemble:
         return Ensemble(*(getattr(self, f.name)[rows] for f in fields(Ensemble)))
 
 
-_LENGTHS = ("cg_to_front_axle", "cg_height")
-"""Columns that `Draws` has in m, and an `Ensemble` over their value in the vehicle file."""
+_LENGTHS = ("cg_to_front_axle", "cg_height")  # `Draws` has them in m, an `Ensemble` over the file's
 
 
 def draws_of(car: Vehicle, e: Ensemble, pads: Calibration) -> Draws:

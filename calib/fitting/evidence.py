@@ -34,8 +34,7 @@ _DRAWS = 512  # draws of pads and tyres
 _ANY_PADS = 0.5  # standard deviation of ln of the pads' ratio of the draws [1]
 _POINTS = 14  # means of the sum of forces on a ramp, at most
 _TREND = 0.05  # standard deviation of the change of the pads' level over a ramp [1]
-_DISCREPANCY, _LENGTH = 0.015, 0.15
-"""Discrepancy of pads from a constant friction [1], and its correlation length in z [1]."""
+_DISCREPANCY, _LENGTH = 0.015, 0.15  # of pads from a constant friction [1]; how long it is in z [1]
 _ZERO = 0.002  # standard deviation of the zero of the sum of forces over the weight [1]
 
 _LIKELY, _FIRST = 32, 64  # draws that screen mistakes: the likeliest ones, and the first ones
@@ -64,7 +63,7 @@ _BySize = dict[Size, tuple[float, float]]
 class _Level(NamedTuple):
     """What the sum of forces of a run, or of several runs, says."""
 
-    log_evidence: float  # ln of the evidence, a sum over the runs
+    log_evidence: float  # a sum over the runs
     log_level: float  # ln of the pads' level, a mean over the runs [1]
     square: float  # sum of squared residuals over their errors [1]
 

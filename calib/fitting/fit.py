@@ -80,17 +80,13 @@ def fit(
     fleet : tables of other cars of this model by name@version, see
         `calib.store.fleet.released_cars`.
 
-    Half of the prior comes from ``tyre`` and ``fleet``. Where the ramps contradict them, a warning
-    says so, and the table rests on the ramps alone.
+    Half of the prior comes from ``tyre`` and ``fleet``. Where the ramps contradict it, a warning
+    says so, and the table rests on the other half.
 
-    Raises
-    ------
-    LogError : no log is a ramp that can be used. The message says why, and what to drive.
-    BenchError : the forces on rollers lie on no line.
-    TyreError : the file is of another tyre.
-    VehicleError : the logs contradict the file, or no pad has such a friction.
-    ModelError : an effect cannot be taken out of a log.
-    NotFiniteError : a number of the table is not finite. The message names the quantity.
+    Raises LogError where no log is a ramp that can be used; BenchError where the forces on rollers
+    lie on no line; TyreError for a file of another tyre; VehicleError where the logs contradict the
+    vehicle file, or no pad has such a friction; ModelError for an effect that cannot be taken out
+    of a log; NotFiniteError for a number of the table that is not finite.
 
     >>> import calib
     >>> logs = calib.sample_logs() / "simulation_study"

@@ -18,11 +18,8 @@ from calib.car.forces import mean_slip
 from calib.car.vehicle import Axle, Vehicle
 from calib.model.ramp import RampRun
 
-USUAL_PADS = 0.1
-"""Standard deviation of ln of the friction of an axle's pads over the file's [1]."""
-
+USUAL_PADS = 0.1  # standard deviation of ln of the friction of an axle's pads over the file's [1]
 _OTHER_PADS = 0.5  # the same where the pads are not those of the file [1]
-
 _FACTORS = (-2.0, -1.0, 0.0, 0.5, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, *map(float, range(6, 13)), 14.0)
 """Factors that correct a logged torque: another sign, one motor of two or three logged, a torque at
 the shaft of the motor and not at the wheels."""
@@ -41,9 +38,7 @@ _FIRST_DELAYS, _FIRST_DRAGS = ((0.03,), (0.07,)), ((2e5,), (4.5e5,))
 _FIRST_KNEES = ((15e5, 0.3), (25e5, 0.3))
 
 SCALE, MOTOR, VALVE = "drive_torque_scale", "motor_not_logged", "rear_pressure_limited"
-LATE, DRAG = "wheels_late", "brake_drags"
-"""Codes of the mistakes in `rules.csv`."""
-
+LATE, DRAG = "wheels_late", "brake_drags"  # codes of the mistakes in `rules.csv`
 Size = tuple[float, ...]
 """Parameters of a mistake: (factor,), (torque, pressure), (delay,), (pressure,), (knee, slope)."""
 
@@ -129,12 +124,10 @@ def _drag_force(brake: Axle, run: RampRun, size: Size) -> Array:
 
 
 def _without_delay(car: Vehicle, axle: str, run: RampRun, size: Size) -> RampRun:
-    """Return the run without a delay ``size`` [s] of an axle's wheel speeds.
-
-    A late speed of a braking car is too high by g z times the delay.
-    """
+    """Return the run without a delay ``size`` [s] of an axle's wheel speeds."""
     radius = (car.front if axle == "f" else car.rear).rolling_radius
     b, name = run.blocks, f"omega_{axle}"
+    # a late rim speed of a car that slows is too high by g z times the delay
     b = replace(b, **{name: getattr(b, name) - size[0] * G * b.z / radius})
     slip = None if b.v is None else mean_slip(car, run.load_f, b.omega_f, b.omega_r, b.v)
     return replace(run, blocks=b, slip=slip)

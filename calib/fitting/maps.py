@@ -83,7 +83,7 @@ def scenarios(car: Vehicle, e: Ensemble, count: int = _SCENARIOS) -> _Scenarios:
     """
     from scipy.special import ndtri
 
-    even = dict(zip(_EVEN, spread_evenly(count, len(_EVEN)).T, strict=True))
+    even: dict[str, Array] = dict(zip(_EVEN, spread_evenly(count, len(_EVEN)).T, strict=True))
 
     def uniform(name: str) -> Array:
         """Return numbers (n,), even in (0, 1), that belong to a name."""

@@ -29,12 +29,9 @@ _NONLINEAR = ("load_exponent", "peak_load_exponent", "peak", "log_pad_ratio", "c
 _PAD_RATIO = _NONLINEAR.index("log_pad_ratio")
 NAMES = (*["form"] * len(FORMS), *_NONLINEAR, "compliance", "log_tyre_ratio", "radius_load")
 """Names of the coordinates in their order: tyre forms, other nonlinear ones, and linear ones."""
-
 PLACES = {name: np.flatnonzero(np.array(NAMES) == name).tolist() for name in NAMES}
 """Indices of the coordinates of each name."""
-
-DRAWN = len(FORMS) + len(_NONLINEAR)
-"""Number of nonlinear coordinates, which are drawn. The linear ones are integrated out."""
+DRAWN = len(FORMS) + len(_NONLINEAR)  # number of the nonlinear ones; others are integrated out
 
 COMPLIANCE, _SIGMA = CAR.compliance.mean, CAR.compliance.sigma
 _HALF = 0.5 * CAR.log_tyre_ratio.sigma * COMPLIANCE  # of the difference between the axles
@@ -48,9 +45,7 @@ _BELIEFS: list[Belief] = [getattr(CAR, name) for name in NAMES]
 _MEAN, _STD = np.array([(x.mean, x.sigma) for x in _BELIEFS[len(FORMS) : DRAWN]]).T
 """Mean and standard deviation of the quantities `_NONLINEAR`, or of their ln."""
 _SPARSE = 0.6  # Dirichlet concentration of the forms: two or three make up most of a tyre
-_OTHER_SHARE, _WIDER = 0.1, 4.3
-"""Heavy tails of the pads' ratio: share of the cars with other pads or a fault, and the factor by
-which their ratios scatter wider."""
+_OTHER_SHARE, _WIDER = 0.1, 4.3  # of cars with other pads or a fault: share, factor of the scatter
 _VARIANCE_IN_MODEL = np.array([belief.model for belief in _BELIEFS])
 """Variance of each coordinate between the cars of a model, over that between all cars."""
 _FILE_SIGMA = np.array([belief.tyre_file / belief.sigma for belief in _BELIEFS])
@@ -101,10 +96,7 @@ def prior_index(x: Array, priors: Sequence[Prior]) -> Index:
 
 
 def log_importance(user_prior: Value, log_ratio: Array) -> Array:
-    """Return ln of the density of pads' ratios (n,) by the user's prior over that by the default.
-
-    It is right up to a constant.
-    """
+    """Return ln of user's over default density of pads' ratios (n,), up to a constant."""
     r = log_ratio / CAR.log_pad_ratio.sigma
     default = (1.0 - _OTHER_SHARE) * np.exp(-0.5 * r**2)
     default += _OTHER_SHARE / _WIDER * np.exp(-0.5 * (r / _WIDER) ** 2)
@@ -167,8 +159,7 @@ def informative_priors(
 ) -> tuple[Prior, ...]:
     """Return the priors by tyre files and by the fleet, where there are any. Raises TyreError."""
     by_tyres = (_by_tyres(car, tyres),) if tyres else ()
-    by_fleet = (_by_fleet(car, fleet),) if fleet else ()
-    return (*by_tyres, *by_fleet)
+    return (*by_tyres, _by_fleet(car, fleet)) if fleet else by_tyres
 
 
 def _by_tyres(car: Vehicle, tyres: Sequence[TyreFile]) -> Prior:
@@ -235,7 +226,6 @@ def _by_fleet(car: Vehicle, fleet: Mapping[str, Table]) -> Prior:
         reduction = np.linalg.inv(identity + information * _VARIANCE_IN_MODEL)
         precision = precision + reduction @ information
         scaled_mean = scaled_mean + reduction @ scaled_mean_of_car
-    symmetric = 0.5 * (precision + precision.T)
-    variance_of_mean: Array = np.linalg.inv(symmetric).astype(np.float64)
+    variance_of_mean: Array = np.linalg.inv(0.5 * (precision + precision.T)).astype(np.float64)
     covariance = variance_of_mean + np.diag(_VARIANCE_IN_MODEL)
     return Prior("the fleet", "fleet_prior", variance_of_mean @ scaled_mean, covariance)

@@ -38,10 +38,8 @@ MOVE_ETA = (LATE, "unexplained_braking_force", "force_step")
 tyre explains refuses the fit. Any other warning lets it pass: its cause may explain the misfit."""
 
 _LARGEST_RMS = 3.0
-"""Root mean square of the residuals of eta above which a ramp is not explained [1].
-
-Tyres of other forms leave 0.5 to 1.4. A wheel speed that repeats its value for 0.1 s, which moves
-the pads' ratio by a sixth, leaves 5."""
+"""Largest root mean square of the residuals of eta on a ramp [1]. Tyres of other forms leave 0.5 to
+1.4. A wheel speed that repeats its value for 0.1 s moves the pads' ratio by a sixth, and leaves 5."""
 
 
 def explained(

@@ -35,16 +35,12 @@ _DRIFT = 5e-5  # standard deviation of the drift of eta's zero since the lead-in
 _FINEST = 5e-4  # eta - 1 or slip below which the discrepancy no longer shrinks [1]
 _ROUGH = 0.02  # uncorrelated share of the variance of the discrepancy
 
-_KINDS = ("eta", "slip")  # kinds of rows, in their order
 _DISCREPANCY = {"eta": CAR.form_error_eta.mean, "slip": CAR.form_error_slip.mean}
-"""Standard deviation of the discrepancy over eta - 1 and over slip [1]."""
+"""By kind of rows, in their order: standard deviation of the discrepancy over eta - 1, slip [1]."""
 
 
 class _Ramp:
-    """The data of one ramp as means [1]: first over the lead-in, then over k groups of blocks.
-
-    The lead-in gives the zeros of eta, slip and force.
-    """
+    """The data of one ramp as means [1]: over the lead-in, for the zeros, and over k groups."""
 
     z: Array  # deceleration (1 + k,)
     only: str | None  # axle that brakes alone, None if both brake
@@ -183,14 +179,14 @@ class Regression:
     def __init__(self, car: Vehicle, runs: list[RampRun], groups: int | None = _GROUPS) -> None:
         """Read the runs; ``groups`` of blocks of a ramp at most, None for a row of each block."""
         self.car, self.ramps = car, [_Ramp(car, run, groups) for run in runs]
-        kinds, sizes, decelerations = [], [], []
+        kinds, sizes = [], []
         for ramp in self.ramps:
-            for name, measured in zip(_KINDS, ramp.measured, strict=True):
+            for name, measured in zip(_DISCREPANCY, ramp.measured, strict=True):
                 kinds.append(np.full(measured.size, f"{name} {ramp.only}"))
                 sizes.append(_DISCREPANCY[name] * np.maximum(np.abs(measured), _FINEST))
-                decelerations.append(ramp.z[1:])
-        kind, size, self.z = map(np.concatenate, (kinds, sizes, decelerations))
-        self.discrepancy_sizes = {name: size * (kind == f"{name} None") for name in _KINDS}
+        kind, size = np.concatenate(kinds), np.concatenate(sizes)
+        self.z = np.concatenate([np.tile(ramp.z[1:], 2) for ramp in self.ramps])
+        self.discrepancy_sizes = {name: size * (kind == f"{name} None") for name in _DISCREPANCY}
         # rows of two kinds, and of ramps with other braked axles, have independent discrepancies
         correlation = _correlation(self.z, self.z) * (kind[:, None] == kind)
         discrepancy = size[:, None] * size * (correlation + _ROUGH * np.eye(size.size))

@@ -41,16 +41,6 @@ def test_ends_are_clamped_as_the_look_up_does(stored):
     assert (F_r - z).tolist() == pytest.approx(curves["sedan_f2"][[0, -1]].tolist())
 
 
-def test_18_holds_on_the_breakpoints_too(real):
-    """F_zf f1 + F_zr f2 = 0 at each row's own z, from the wheelbase."""
-    data, car, p = build(real, 12), real.table.vehicle, real.table.paper
-    f1, f2 = data.curves[:2]
-    z = np.array([p.z[np.flatnonzero(p.eta == x)[0]] for x in f1.axis.values])
-    front = car.cg_to_rear_axle + z * car.cg_height
-    rear = car.cg_to_front_axle - z * car.cg_height
-    assert np.abs(front * f1.values + rear * f2.values).max() < 1e-9
-
-
 numbers = arrays(np.float64, st.integers(1, 30), elements=st.floats(-1e6, 1e6))
 
 

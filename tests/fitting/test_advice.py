@@ -61,16 +61,11 @@ def promised(axles, of, word):
 
 
 @pytest.mark.parametrize("what", ["--mass", "--bench", "each axle", "--tyre"])
-def test_an_advice_on_a_fit_keeps_its_promise(plain, advised, what):
-    before, after = (table.budget.axles for table in (plain, advised[what]))
-    for axle, (now, then) in promised(before, RAMP, what).items():
-        assert now == pytest.approx(widths(before)[axle], abs=0.51)
-        assert then == pytest.approx(widths(after)[axle], abs=1.0)
-
-
-@pytest.mark.parametrize("what", ["--mass", "--bench", "each axle", "--tyre"])
-def test_an_advice_on_a_stop_keeps_its_promise(plain, advised, what):
-    log = noisy(stop(WET), 3)
-    before, after = (budget(estimate(table, log)) for table in (plain, advised[what]))
-    for axle, (_, then) in promised(before, STOP, what).items():
-        assert then == pytest.approx(widths(after)[axle], abs=1.0)
+def test_an_advice_on_a_fit_and_on_a_stop_keeps_its_promise(plain, advised, what):
+    tables, log = (plain, advised[what]), noisy(stop(WET), 3)
+    by_fit = [table.budget.axles for table in tables]
+    by_stop = [budget(estimate(table, log)) for table in tables]
+    for of, (before, after) in ((RAMP, by_fit), (STOP, by_stop)):
+        for axle, (now, then) in promised(before, of, what).items():
+            assert now == pytest.approx(widths(before)[axle], abs=0.51)
+            assert then == pytest.approx(widths(after)[axle], abs=1.0)

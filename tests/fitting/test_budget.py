@@ -33,20 +33,16 @@ def tables(clean):
     return fit(UNWEIGHED, [log]), fit(UNWEIGHED, [without(log, "v")])
 
 
-def test_parts_add_up_to_the_sigma_of_the_pads(tables):
+def test_parts_add_up_to_the_sigmas(tables):
     for table in tables:
-        cal = table.calibration
-        pads = (cal.pad_friction_f, cal.pad_friction_r)
-        for parts, value in zip(table.budget.axles, pads, strict=True):
+        cal, budget = table.calibration, table.budget
+        for parts, value in zip(
+            budget.axles, (cal.pad_friction_f, cal.pad_friction_r), strict=True
+        ):
             sigma = math.hypot(*parts.values())
             assert sigma == pytest.approx(value.sigma / value.value, rel=1e-9)
-
-
-def test_parts_of_ratio_and_stiffness_add_up_to_their_variances(tables):
-    for table in tables:
-        cal = table.calibration
         stiffness = cal.slip_stiffness.sigma / cal.slip_stiffness.value
-        pairs = (table.budget.ratio, cal.pad_log_ratio.sigma), (table.budget.stiffness, stiffness)
+        pairs = (budget.ratio, cal.pad_log_ratio.sigma), (budget.stiffness, stiffness)
         for parts, sigma in pairs:
             assert sum(parts.values()) == pytest.approx(sigma**2, rel=1e-9)
             assert min(parts.values()) >= 0.0

@@ -10,10 +10,11 @@ from hypothesis import strategies as st
 
 from calib.base.names import G
 from calib.fitting.curves import find_peak, ramp_path, readable_up_to
-from calib.fitting.ensemble import Ensemble, SlipPrediction
+from calib.fitting.ensemble import SlipPrediction
 from calib.fitting.fit import fit
 from calib.table.curves import EXTRAPOLATED, INTERPOLATED, MEASURED
 from calib.table.invariants import violations
+from tests.support.drawn_cars import one_car
 from tests.support.plant import brush, magic
 from tests.support.reference_car import (
     CAR,
@@ -153,23 +154,9 @@ def test_a_fall_that_some_draws_do_not_have_is_no_peak():
 )
 def test_forces_along_the_ridge_balance(z, compliance, log_ratio, tau, r):
     """(17), and (9) with what stops the wheels themselves; a brush far below its peak is linear."""
-    at, none = np.array([z]), np.zeros((1, 10))
-    e = Ensemble(
-        forms=np.eye(5)[:1],
-        load_exponent=np.zeros(1),
-        peak_load_exponent=np.zeros(1),
-        peak=np.array([1e3]),
-        log_pad_ratio=np.array([log_ratio]),
-        cg_to_front_axle=np.ones(1),
-        cg_height=np.ones(1),
-        compliance_f=np.array([compliance * np.exp(0.5 * tau)]),
-        compliance_r=np.array([compliance * np.exp(-0.5 * tau)]),
-        radius_load=np.array([r]),
-        v_late=np.zeros(1),
-        depart_eta=none,
-        depart_slip=none,
-    )
-    p = ramp_path(CAR, e, at)
+    tyres = {f"compliance_{a}": compliance * np.exp(x * tau) for a, x in (("f", 0.5), ("r", -0.5))}
+    e = one_car(peak=1e3, log_pad_ratio=log_ratio, radius_load=r, **tyres)
+    p = ramp_path(CAR, e, np.array([z]))
     F_f, F_r = p.forces[:, 0, 0]
     share = CAR.mass * G / (L_F + L_R)
     loads = share * (L_R + z * H), share * (L_F - z * H)

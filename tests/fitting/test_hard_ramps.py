@@ -46,8 +46,6 @@ def test_pads_as_declared_are_not_taken_for_others_on_a_hard_ramp():
 
 
 PADS = 0.42
-
-
 SPORTS = replace(
     CAR,
     name="sports-car",

@@ -130,12 +130,9 @@ def test_nothing_is_named_where_nothing_explains_the_ramp():
 
 
 def test_what_no_draw_explains_is_no_reason_to_end(monkeypatch):
-    of = Evidence._weighed
-    monkeypatch.setattr(
-        Evidence,
-        "_weighed",
-        lambda e, h, *more: of(e, h, *more) if h.code else (-np.inf, np.nan),
-    )
+    weighed, never = Evidence._weighed, (-np.inf, np.nan)
+    no_pads = lambda e, h, *more: weighed(e, h, *more) if h.code else never  # noqa: E731
+    monkeypatch.setattr(Evidence, "_weighed", no_pads)
     found = causes(noisy(ramp(REAL), 6))
     assert all(np.isfinite(cause.log_odds) for cause in found)
     named(found)

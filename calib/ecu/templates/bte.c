@@ -10,7 +10,7 @@
 
 #define R(x) ((bte_real)(x))
 #define MATH(name) {{ "name##f" if floating == 32 else "name" }}
-enum { TERMS = {{ terms }}, LARGEST = {{ largest }} }; /* of exp and ln; of exp */
+enum { TERMS = {{ terms }}, LARGEST = {{ largest }} }; /* of the series; argument of exp */
 
 static const bte_real GRAVITY = R(9.80665), Z95 = R(1.96), LN2_HIGH = R(0.693145751953125),
                       LN2_LOW = R(1.42860682030941723e-6);
@@ -28,11 +28,10 @@ static bte_real clip(bte_real x, bte_real low, bte_real high) {
 }
 static bte_real square(bte_real x) { return x * x; }
 
-/* exp(x) = 2^k exp(x - k ln 2) by its series, since C libraries differ in the last digits. */
+/* exp(x) = 2^k exp(x - k ln 2), with the nearest integer k, by its series: C libraries differ. */
 static bte_real exponential(bte_real x) {
     const bte_real clipped = clip(x, -R(LARGEST), R(LARGEST));
-    const bte_real power = clipped / (LN2_HIGH + LN2_LOW);
-    const int k = (int)(power + (R(LARGEST) + R(0.5))) - LARGEST; /* the nearest integer */
+    const int k = (int)(clipped / (LN2_HIGH + LN2_LOW) + (R(LARGEST) + R(0.5))) - LARGEST;
     const bte_real residual = (clipped - (bte_real)k * LN2_HIGH) - (bte_real)k * LN2_LOW;
     bte_real sum = R(1.0);
     for (int n = TERMS; n > 0; n--) {
@@ -59,7 +58,7 @@ static bte_real logarithm(bte_real x) {
 /* An interval inside this file: an array of a median, its lower and its upper bound. */
 enum { MEDIAN, LOWER, UPPER, ENDS };
 
-/* Add `by` to an interval, and the square of `more` to that of the distance of each bound. */
+/* Add `by` to an interval, and the square of `more_...` to that of the distance of the bound. */
 static void widen(bte_real x[], bte_real by, bte_real more_lower, bte_real more_upper) {
     const bte_real below = x[LOWER] - x[MEDIAN], above = x[UPPER] - x[MEDIAN];
     x[MEDIAN] += by;
@@ -135,7 +134,8 @@ static void learn_zeros(bte_state *state, const bte_block *x, bool counts) {
     }
 }
 
-/* Read ln of the ratio with its bounds, and widen them by the errors of the point. */
+/* Read ln of the ratio with its bounds, and widen them by the errors of the point: by the slope of
+ * the map over a step of the error, or of a cell if that is smaller. */
 static void read_ratio(const bte_car *car, const bte_real point[], const bte_real error[],
                        bte_real ratio[]) {
     const bte_axis *shifts = &car->pads.axis[BTE_SHIFT];
@@ -218,9 +218,8 @@ static void answer_pads(bte_state *s, const bte_real level[], const bte_real rat
 
 /* Compute y = by x. */
 CALLED static void times(bte_interval *y, bte_real by, const bte_interval *x) {
-    y->median = by * x->median;
-    y->lower = by * x->lower;
-    y->upper = by * x->upper;
+    const bte_interval product = {by * x->median, by * x->lower, by * x->upper};
+    *y = product;
 }
 
 /* Answer torques by the pads of the last block and the present pressure. */
@@ -236,16 +235,13 @@ static void answer_torques(bte_state *s) {
     times(&y->brake_torque_sum, sum / y->pad_level.median, &y->pad_level);
 }
 
-/* Return the checksum FNV-1a, by words of 32 bits, of what `sum` has and of another word. */
-static uint32_t fnv_word(uint32_t sum, uint64_t word) {
-    return (uint32_t)(((sum ^ (word & 0xFFFFFFFFU)) * 16777619U) & 0xFFFFFFFFU);
-}
-
+/* Add a number to a checksum: FNV-1a, by words of 32 bits instead of bytes, the lower word first. */
 CALLED static uint32_t fnv_real(uint32_t sum, bte_real x) {
     uint{{ floating }}_t bits;
     (void)memcpy(&bits, &x, sizeof bits);
     const uint64_t wide = bits;
-    return fnv_word(fnv_word(sum, wide), wide >> 32U);
+    const uint64_t low = ((sum ^ (wide & 0xFFFFFFFFU)) * 16777619U) & 0xFFFFFFFFU;
+    return (uint32_t)(((low ^ (wide >> 32U)) * 16777619U) & 0xFFFFFFFFU);
 }
 
 static uint32_t fnv_reals(uint32_t sum, const volatile bte_real x[], uint32_t count) {
@@ -407,13 +403,11 @@ static void block_ends(bte_state *s) {
     const bte_real speed = c->rolling_radius[BTE_REAR] * omega[BTE_REAR];
     const bte_real body = c->drag * square(speed);
     const bte_real rolling = c->rolling + c->rolling_growth * square(speed);
-    const bool is_stale = s->faulty || s->failed; /* the wheels' accelerations are not known */
+    const bool is_stale = s->faulty || s->failed; /* then the wheels' speeds give no acceleration */
     bte_real demanded = z - body;
     for (unsigned a = 0; a < (unsigned)BTE_AXLES; a++) {
         bte_real spin = s->block_full ? (omega[a] - s->omega[a]) / c->block : R(0.0);
-        if (is_stale) {
-            spin = -GRAVITY * z / c->rolling_radius[a];
-        }
+        spin = is_stale ? -GRAVITY * z / c->rolling_radius[a] : spin;
         s->omega[a] = omega[a];
         load[a] = c->load[a] + c->height[a] * z;
         driving += c->drive[a] * drive[a];
@@ -422,6 +416,7 @@ static void block_ends(bte_state *s) {
     }
     s->block_full = true;
     s->faulty = s->failed;
+    /* slips that motors, drag and rolling resistance add to those of the brakes alone */
     const bte_real z_alone = demanded / c->rolls;
     for (unsigned a = 0; a < (unsigned)BTE_AXLES; a++) {
         const bte_real tyre = c->ramp_share[a] * demanded - c->turns[a] * z_alone;
@@ -535,9 +530,7 @@ static bte_reason step(bte_state *s, const bte_inputs *x) {
     s->started = true;
     s->worst = disturbed > s->worst ? disturbed : s->worst;
     s->failed = s->failed || !fine;
-    if (last->driven > R(0.5)) {
-        s->driven = true;
-    }
+    s->driven = s->driven || last->driven > R(0.5);
     sum->p_mc += last->p_mc;
     sum->z += -last->a_x / GRAVITY;
     sum->omega_f += R(0.5) * (last->omega_fl + last->omega_fr);

@@ -69,7 +69,7 @@ enum {
 
 /* Axes of maps: deceleration z [1], (eta - 1)/z, slip [standard deviations]; the points rise. */
 enum { BTE_Z, BTE_SHIFT, BTE_SLIP, BTE_MAP_AXES };
-enum { BTE_COLUMNS = 3 };
+enum { BTE_COLUMNS = 3 }; /* most columns of a map */
 typedef struct {
     BTE_CAL bte_real *x;
     uint16_t count;
@@ -95,7 +95,7 @@ typedef struct {
 /* The data of a car: layout, size and checksum by which they are accepted; numbers and maps. */
 typedef struct {
     uint32_t layout, size, checksum;
-    uint16_t samples, waiting; /* in a block; blocks before a bite that show no zero */
+    uint16_t samples, waiting; /* samples in a block; blocks before a bite that show no zero */
     BTE_CAL bte_numbers *numbers;
     bte_map pads, slip, level, prior;
     bte_axis tyre;
@@ -130,7 +130,7 @@ typedef struct {
 
 /* The state. A calibration tool measures the members up to `filters`. */
 typedef struct {
-    uint32_t reason, layout, diagnosis; /* diagnosis: a bit for each that fails */
+    uint32_t reason, layout, diagnosis; /* diagnosis: a bit for each input or check that fails */
     uint32_t lasted[BTE_DIAGNOSES]; /* number of calls in which it failed */
     uint16_t often[BTE_DIAGNOSES]; /* number of times that it began to fail */
     bte_inputs last; /* last good readings */

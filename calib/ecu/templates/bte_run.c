@@ -33,7 +33,7 @@ void bte_run(const bte_car *car, const bte_inputs samples[], uint32_t count, bte
 
 #include "bte_vectors.h"
 
-enum { LINE = 65536, CELLS = 1024, REFUSED = 2 }; /* most of a file; the exit code */
+enum { LINE = 65536, CELLS = 1024, REFUSED = 2 }; /* most in a line of a file; exit code */
 
 /* Compare the answers at the ends of the blocks with those of Python; 1 if they differ. */
 static int compare(void) {
@@ -86,22 +86,13 @@ static int place_of(char *const cell[], int count, const char *column) {
     return -1;
 }
 
-/* Take in a sample, and print its row. */
-static void print_row(bte_state *s, double time, const bte_inputs *x) {
-    const bte_real *answers = (const bte_real *)&s->answers;
-    printf("%.17g,%u", time, (unsigned)bte_step(s, x));
-    for (int k = 0; k < BTE_ROW - 1; k++) {
-        printf(",%.9g", (double)answers[k]);
-    }
-    printf("\n");
-}
-
 /* Print the answers to the samples of a file. In a gap of the file all sensors fail. */
 static int run_file(const char *path) {
     static char line[LINE];
     static bte_state state;
     static bte_inputs sample, gap;
     bte_real *x = (bte_real *)&sample, *missing = (bte_real *)&gap;
+    const bte_real *answers = (const bte_real *)&state.answers;
     char *cell[CELLS];
     int place[BTE_INPUTS];
     const double step = (double)BTE_VECTORS_CAR->numbers->sample_time;
@@ -127,7 +118,7 @@ static int run_file(const char *path) {
         const int count = split(line, cell);
         const double time = time_place < count ? strtod(cell[time_place], NULL) : -1.0;
         const double steps = rows == 0U ? 1.0 : (time - last) / step;
-        /* the first step tells the rate, a later one may be a gap */
+        /* the first step must be that of the code; a later one may be a gap */
         if (!(steps > 0.75 && (rows > 1U || steps < 1.25))) {
             return refuse(path, "its rate is not the `sample_time` of the code", "");
         }
@@ -138,7 +129,11 @@ static int run_file(const char *path) {
             const char *text = place[i] >= 0 && place[i] < count ? cell[place[i]] : "0";
             x[i] = *text == '\0' ? (bte_real)NAN : (bte_real)strtod(text, NULL);
         }
-        print_row(&state, time, &sample);
+        printf("%.17g,%u", time, (unsigned)bte_step(&state, &sample));
+        for (int k = 0; k < BTE_ROW - 1; k++) {
+            printf(",%.9g", (double)answers[k]);
+        }
+        printf("\n");
         last = time;
     }
     return fclose(file) != 0;
