@@ -23,7 +23,7 @@ import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
-from itertools import chain, product
+from itertools import product
 from typing import Any
 from xml.sax.saxutils import escape
 
@@ -120,7 +120,7 @@ def _cells(grid: Grid) -> Iterator[tuple[str | float | None, ...]]:
     for place, numbers in zip(places, rows, strict=True):
         (axis, x), *more = place
         value, *of_curve = numbers
-        further = [*chain.from_iterable(more), *missing]  # axis_2, x_2, axis_3, x_3
+        further = [*(cell for pair in more for cell in pair), *missing]  # axis_2, x_2, axis_3, x_3
         yield (grid.label, axis, x, value, grid.unit, *of_curve, grid.meaning, *further)
 
 

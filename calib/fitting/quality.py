@@ -39,7 +39,7 @@ tyre explains refuses the fit. Any other warning lets it pass: its cause may exp
 
 _LARGEST_RMS = 3.0
 """Largest root mean square of the residuals of eta on a ramp [1]. Tyres of other forms leave 0.5 to
-1.4. A wheel speed that repeats its value for 0.1 s moves the pads' ratio by a sixth, and leaves 5."""
+1.4; a wheel speed that repeats its value for 0.1 s, which moves the pads' ratio by a sixth, 5."""
 
 
 def explained(
