@@ -99,8 +99,7 @@ def _posterior(
 ) -> tuple[float, float]:
     """Mean and sigma of tau [s] from ``regained`` [m/s] (m, n), which is u + I at each delay.
 
-    The factors of ``columns`` (n, k) have the prior ``sigma`` (k,). ``noise`` is the standard
-    deviation of u, and of I over one step [m/s].
+    Factors of ``columns`` (n, k) have prior ``sigma`` (k,); ``noise`` of u, of I over a step [m/s].
     """
     white, walk = (max(x, _FINEST) ** 2 for x in noise)
     age = time - time[0]

@@ -132,10 +132,8 @@ def zero_of_pressure(evidence: Evidence) -> Iterator[Measured]:
 
 
 def _unbraked_by_a_x(driving: DrivingRecord) -> Mask:
-    """Mask (n,) of the first half of the log before a_x shows a braking; none if it slows there.
-
-    A ramp may begin in the second half.
-    """
+    """Mask (n,) of the first half of the log before a_x shows a braking; none if it slows there."""
+    # a ramp may begin in the second half
     half = np.count_nonzero(np.cumsum(driving.z > BITE_Z) == 0) // 2
     rolling = np.zeros_like(driving.moving)
     if half * driving.step >= _ROLLED and np.mean(driving.z[:half]) <= _UNBRAKED:

@@ -27,9 +27,7 @@ _FORCE = 0.1  # prior sigma of a motor's force over the usual brake force [1]: 0
 _USUAL, _FADING = 0.015, 0.02
 """Sigma, without a motor, of a force without pressure, by bite of the pads and zero of p_mc (0.5 of
 30 bar), and of one that fades with the speed, by slow noise in the half second below 3 m/s [1]."""
-_UPRIGHT = 0.1
-"""Deceleration [1] beyond which left and right are not compared: in a bend the inner wheels bear
-less and slip more, which looks like a tighter bend."""
+_UPRIGHT = 0.1  # largest deceleration for a bend [1]: above it the inner wheels slip more
 _LEAST_Z = 0.1  # least usual deceleration of a braking [1], to which the noise of z is related
 _STEP_NOISE = 3.2
 """Sigma of the difference of two medians over 0.3 s, over the density of the noise [1/s^0.5]: that
@@ -75,10 +73,9 @@ def a_x_late(evidence: Evidence) -> Iterator[Measured]:
 def brakes(evidence: Evidence) -> Iterator[Measured]:
     """Force without pressure, and the delay of the brakes.
 
-    A motor that brakes from the first pressure on is a force without pressure. If it hands over to
-    the brakes before the car stands, this force fades with the speed, as only a run braked to below
-    3 m/s shows; the fading is negative for pads that grip more at low speed. Each sign of a motor
-    alone and both have the same prior odds.
+    A motor that brakes from the first pressure on is a force without pressure. One that hands over
+    to the brakes before the car stands is a force that fades with the speed, which only a run
+    braked to below 3 m/s shows. Each sign of a motor alone and both have the same prior odds.
     """
     response, vehicle = evidence.response, evidence.run.vehicle
     if response is None or vehicle is None:
@@ -96,10 +93,7 @@ def brakes(evidence: Evidence) -> Iterator[Measured]:
 
 
 def force_step(evidence: Evidence) -> Iterator[Measured]:
-    """The largest step of the force without one of the pressure, and sigma of such steps.
-
-    Few steps may scatter little by chance: sigma is at least that by the noise of z.
-    """
+    """The largest step of the force without one of the pressure, and sigma of such steps."""
     run, response = evidence.run, evidence.response
     if response is None or run.vehicle is None:
         return
@@ -107,7 +101,7 @@ def force_step(evidence: Evidence) -> Iterator[Measured]:
     b = run.blocks
     braked = (np.maximum(b.p_f, b.p_r) > BITE) & (b.speed > MOVING)
     usual_z = max(float(np.median(b.z[braked])), _LEAST_Z) if braked.any() else 1.0
-    noise = _STEP_NOISE * run.lead_in_noise.z / usual_z
+    noise = _STEP_NOISE * run.lead_in_noise.z / usual_z  # few steps scatter little by chance
     yield Measured("force_step", step, max(scatter, noise), words={"at": time})
 
 

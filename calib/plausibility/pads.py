@@ -23,10 +23,7 @@ def require_possible_pads(
     warnings: tuple[PlausibilityWarning, ...],
     motor: str = "",
 ) -> None:
-    """Raise VehicleError for pads, or an interval of their ratio, that no car can have.
-
-    The error lists the ``warnings`` on file and logs, and ``motor``, if any, as the first cause.
-    """
+    """Raise VehicleError, with the ``warnings`` and a ``motor`` as cause, for impossible pads."""
     pads = (fitted.pad_friction_f.value, fitted.pad_friction_r.value)
     (low, high), rho = _POSSIBLE, fitted.pad_log_ratio
     are_apart = abs(rho.value) - Z95 * rho.sigma > _GRADES
@@ -69,10 +66,9 @@ def calibration_figures(
 
 
 def change_figures(level: tuple[float, float], ratio: tuple[float, float]) -> Iterator[Measured]:
-    """Change of the brakes from ramp to stop: logarithms, each with its sigma.
+    """Change of the brakes from ramp to stop: ln of ``level`` and ``ratio``, each with its sigma.
 
-    ``level`` is that of the brake force, ``ratio`` that of the front pads over the rear ones. In
-    eta and slip, tyres, a load or a motor look like a change of the ratio.
+    In eta and slip, tyres, a load or a motor look like a change of the ratio.
     """
     yield Measured("pads_changed_apart", *ratio, math.expm1)
     if abs(level[0]) < _LOADED:

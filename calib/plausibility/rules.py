@@ -25,9 +25,7 @@ from calib.plausibility.evidence import Evidence
 from calib.run.run import Run
 
 FIT, COAST, VALIDATE, DIAGNOSE, CHECK = "fit", "coast", "validate", "diagnose", "check"
-PURPOSES = (FIT, VALIDATE, COAST, DIAGNOSE)
-"""Purposes of a log; a coast is for a fit, beside its ramps."""
-
+PURPOSES = (FIT, VALIDATE, COAST, DIAGNOSE)  # of a log; a coast is for a fit, beside its ramps
 _REFUSALS = {
     FIT: "this run will not do for a fit",
     COAST: "this coast will not do for a fit",
@@ -60,12 +58,10 @@ _SIGNAL_FIGURES: tuple[Figure, ...] = (
 def unusable(
     run: Run, purpose: str, consequences: Collection[str] = (REFUSE, VOID)
 ) -> tuple[PlausibilityWarning, ...]:
-    """Reasons for which a run is refused, or its result void, before any estimate.
-
-    Figures of the log alone come first. If they refuse it, its signals are not computed.
-    """
+    """Reasons for which a run is refused, or its result void, before any estimate."""
     evidence, (log_figures, signal_figures) = Evidence(run), _figures(run)
     reasons = _broken(evidence, log_figures, purpose, consequences)
+    # the signals of a log that is refused are not computed
     return reasons or _broken(evidence, signal_figures, purpose, consequences)
 
 

@@ -26,8 +26,7 @@ from calib.run.run import Run
 
 OFFSET, CLOCK = "offset", "clock"
 
-_FEWEST, _LASTING = 20, 4.0
-"""Fewest means, and the factor on their variance for correlated errors [1]."""
+_FEWEST, _LASTING = 20, 4.0  # fewest means; factor on their variance for correlated errors [1]
 _RADIUS_BY_FILE, _RADIUS, _OTHER_CAR, _OTHER_UNIT = 0.012, 0.08, 0.1, 3.0
 """Sigma of a radius over that of the vehicle file, over the usual radius, with the file of another
 car, and with v in another unit [1]."""
@@ -40,8 +39,7 @@ _SLIP_WET = ((0.12, 0.03), (0.1, 0.1), (0.4, 0.3), (0.03, 0.03), SLIP[-1])
 z/K, over the load that it bears. K is 8 to 18, m 0.35 to 0.6. No sigma is above its mean, since
 negative slip is that of a v that runs fast."""
 _UNBRAKED_SLIP = 0.2  # sigma of the slip of an unbraked axle over that of a braked one [1]
-_IN_TIME, _DELAYS = 0.05, (0.1, 0.2, 0.3, 0.4)
-"""Sigma of the delay, and delays of v from a receiver or a slow filter [s]."""
+_IN_TIME, _DELAYS = 0.05, (0.1, 0.2, 0.3, 0.4)  # sigma of a usual delay, delays of a late v [s]
 _FINEST = 5e-3  # least error of v [m/s]
 _ROAD, _SCALE = ((0.0, 100.0), (0.0, 0.3), (0.0, 0.02)), 0.015
 """Mean and sigma of v_0 [m/s], of slope and zero of a_x [m/s^2], of their drift [m/s^3]; sigma of
@@ -49,8 +47,7 @@ the scale of a_x [1]."""
 _OFFSET, _WRONG_OFFSETS = 0.3, (3.0, 30.0)  # sigma of a usual offset, of mistakes [rad/s]
 _RATE, _WRONG_RATE = 1e-3, 0.01  # sigma of the rate error of a correct clock, of a wrong one [1]
 _WRONG_RATES = tuple(x / 100.0 for x in range(-10, 11, 2) if x)  # rate errors of a wrong clock [1]
-_LOG_RARE, _LOG_MISTAKE = math.log(0.05), math.log(0.01)
-"""ln of prior odds: of the rarer hypotheses without a mistake, and of a mistake."""
+_LOG_RARE, _LOG_MISTAKE = math.log(0.05), math.log(0.01)  # ln of prior odds: rare cause, mistake
 _EXPLAINED = 1.4
 """Largest squared residual with a mistake over that of free coefficients [1]: true mistakes leave
 0.4 to 1.0, and 1.6 the best of those that stood for a peak which no hypothesis has."""
@@ -89,12 +86,8 @@ def _likely(mistakes: list[SpeedMistake]) -> tuple[SpeedMistake, ...]:
 
 
 def _mistakes(run: Run, means: "_Means", axle: str, radius: float | None) -> list[SpeedMistake]:
-    """Offset and clock by the wheels of an axle, whose ``radius`` [m] may be unknown.
-
-    Empty for a short log, and for an axle that brakes alone, whose slip is unknown. A mistake that
-    fits badly is left out.
-    """
-    if run.alone == axle or means.v.size < _FEWEST:
+    """Offset and clock by the wheels of an axle, whose ``radius`` [m] may be unknown."""
+    if run.alone == axle or means.v.size < _FEWEST:  # the slip of a single axle is unknown
         return []
     model = _AxleModel.of_axle(run, means, axle, radius or NOMINAL_RADIUS)
     fits = model.fits(list(_hypotheses(_RADIUS_BY_FILE if radius else _RADIUS)))

@@ -144,13 +144,10 @@ def radii(evidence: Evidence) -> Iterator[Measured]:
 
 
 def slip(evidence: Evidence) -> Iterator[Measured]:
-    """Rise of eta under braking: the axle that brakes alone, else the front one, must slip more.
-
-    Decelerations are used up to 0.8 of that from which on the car is no longer front-biased.
-    """
+    """Rise of eta under braking: the axle that brakes alone, else the front one, must slip more."""
     run, b = evidence.run, evidence.run.blocks
     front_biased = front_biased_up_to(run.car) if run.vehicle else LEAST_FRONT_BIASED
-    highest_z = np.inf if run.alone else 0.8 * front_biased
+    highest_z = np.inf if run.alone else 0.8 * front_biased  # surely front-biased
     braked = np.flatnonzero(np.maximum(b.p_f, b.p_r) > BITE)
     start = float(b.end[braked[0]]) + SETTLE if braked.size else np.inf
     rise, error = eta_rise(b, (b.z > 0.1) & (b.z < highest_z) & (b.end > start))

@@ -39,9 +39,8 @@ _PRESENT, _ABSENT = np.array([0.03, 0.05, 0.03]), np.array([0.0015, 0.002, 0.002
 road of 4 % 0.04 g, a mountain road 0.15 g, an engine in gear at 2000 rpm 0.02 to 0.05 g."""
 _ODDS = np.array([0.15, 0.3, 0.15, ODDS_ROAD[1]])  # prior chances of bias, grade, drag and walk
 _OTHER_SCALE, _ODDS_OTHER = 0.3, 3e-4
-"""Sigma of c where a unit, a clock or a filter is wrong, and the prior odds of that: m/s taken for
-knots make 49 %, a clock of 110 Hz taken for 100 makes 10 %. With these odds a sharp c counts as
-wrong from 9 % on, 4.6 sigma of a sensor."""
+"""Sigma of c where a unit, a clock or a filter is wrong, and the prior odds of that. With these
+odds a sharp c counts as wrong from 9 % on: a clock of 110 Hz taken for 100 makes 10 %."""
 _ROLLING, _DRAG, _RESISTS = 0.011, 2.7e-5, 0.3
 """Resistance of a usual car over its weight: rolling [1], and by the speed squared [s^2/m^2] of
 0.66 m^2 and 1500 kg; relative standard deviation of both [1]."""
@@ -199,10 +198,7 @@ def _against_speed(
 
 
 def _without_last(matrix: Array, right_side: Array, variance: float) -> tuple[Array, Array, float]:
-    """Eliminate the last unknown, of prior ``variance``, from normal equations (n, n) and (n,).
-
-    The third result is what the unknown adds to the logarithm of the likelihood.
-    """
+    """Eliminate the last unknown, of prior ``variance``; return also its part of ln likelihood."""
     coupling, last = matrix[:-1, -1], right_side[-1]
     curvature = matrix[-1, -1] + 1.0 / variance
     reduced = matrix[:-1, :-1] - np.outer(coupling, coupling) / curvature

@@ -9,7 +9,6 @@ an axle is the mean of left and right wheel: steering and road crown cancel to f
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -63,9 +62,7 @@ class Signals(AxleSignals):
 
     def take(self, rows: Index) -> "Signals":
         """Return the samples at ``rows`` alone."""
-        arrays: dict[str, Any] = {
-            name: x[rows] for name, x in vars(self).items() if isinstance(x, np.ndarray)
-        }
+        arrays = {name: x[rows] for name, x in vars(self).items() if isinstance(x, np.ndarray)}
         return replace(self, **arrays)
 
 
@@ -75,10 +72,7 @@ def eta_of(omega_f: Array, omega_r: Array) -> Array:
 
 
 def signals(log: Log, radius: float = NOMINAL_RADIUS) -> Signals:
-    """Axle signals of a log whose rear wheels have a ``radius`` [m].
-
-    Raises LogError for a car that hardly moves.
-    """
+    """Axle signals of a log with rear wheels of a ``radius`` [m]; LogError if it hardly moves."""
     causal, step = causal_signals(log, radius), log.sample_time
     wheels = {w: without_runout(log[f"omega_{w}"], step) for w in WHEELS}
     omega_f, omega_r = (0.5 * (wheels[f"{a}l"] + wheels[f"{a}r"]) for a in AXLES)
@@ -127,10 +121,7 @@ def axle_pressure(log: Log, axle: str) -> Array:
 
 
 def _reference_speed(log: Log) -> tuple[Array | None, SpeedDelay]:
-    """Return `AxleSignals.v` and the delay of v as read.
-
-    A v is not usable if a value is held for longer than `_HELD`, or is late by an uncertain time.
-    """
+    """Return `AxleSignals.v` and the delay of v as read."""
     if "v" not in log or held_time(log) > _HELD:
         return None, IN_TIME
     time, v, a_x = log.time, log["v"], log["a_x"]
@@ -143,10 +134,7 @@ def _reference_speed(log: Log) -> tuple[Array | None, SpeedDelay]:
 
 
 def held_time(log: Log, channel: str = "v", moving: float = MOVING) -> float:
-    """Mean time [s] for which a speed keeps each value while the car slows; 0 if it hardly does.
-
-    Samples count in which the speed is above ``moving``, in its unit.
-    """
+    """Mean time [s] for which a speed above ``moving`` keeps a value while the car slows, or 0."""
     if channel not in log or "a_x" not in log:
         return 0.0
     x, slowing = log[channel], log["a_x"] < -_SLOWING
@@ -158,17 +146,10 @@ def held_time(log: Log, channel: str = "v", moving: float = MOVING) -> float:
     return count * log.sample_time / max(changes, 1)
 
 
-def wheels_held(log: Log) -> float:
-    """`held_time` of the wheel speeds [s]: the median of the four."""
-    times = [held_time(log, f"omega_{w}", MOVING / NOMINAL_RADIUS) for w in WHEELS]
-    return float(np.median(times))
-
-
 def _before_braking(time: Array, pressure: Array, step: float) -> Mask:
-    """Mask (n,) of the time before the first braking; all true without a braking.
+    """Mask (n,) until `SETTLE` before the first braking; all true without one.
 
-    It ends `SETTLE` before the pressure reaches `BITE`, or where the pressure leaves its level at
-    rest if that is earlier: a slow pedal brakes long before.
+    It ends earlier if the pressure leaves its level at rest earlier, as with a slow pedal.
     """
     smooth = trailing_mean(pressure, samples_in(_SHORT, step))
     braked = np.flatnonzero(smooth > BITE)
@@ -181,11 +162,10 @@ def _before_braking(time: Array, pressure: Array, step: float) -> Mask:
 
 
 def _undisturbed(eta: Array, rolling: Mask, step: float) -> Mask:
-    """Mask (n,) that is false where ``eta`` is disturbed while the car is ``rolling``.
+    """Mask (n,) that is false where ``eta`` is disturbed, as by a clutch that opens late.
 
-    A clutch that opens late drives an axle with 0.1 % slip, which would move the zero of eta. The
-    usual eta is the median over the last `_LAST` of the rolling before a braking, or over all of
-    the rolling in a coast.
+    The usual eta is the median over the last `_LAST` of the rolling before a braking, or over all
+    of the rolling in a coast.
     """
     if np.count_nonzero(rolling) * step < _LAST:
         return np.ones_like(rolling)

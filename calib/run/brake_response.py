@@ -39,7 +39,7 @@ from calib.run.filters import (
 
 _STEP = 0.02  # length of the means that are compared [s]
 _TRIED = 0.06  # step of the delays that are tried [s]; Gauss-Newton steps refine the best
-_EARLIEST, _LATEST = -0.5, 0.5  # range of the delays [s]: `pressure_delay` finds greater ones
+_LARGEST = 0.5  # largest delay of either sign [s]: `pressure_delay` finds larger ones
 _LAGS = np.array([0.04, 0.08, 0.14, 0.22, 0.32, 0.44])  # time constants that are tried [s]
 _REFINED = 2  # Gauss-Newton steps of the delay
 _USUAL, _SPREAD = 0.02, 0.06
@@ -47,8 +47,7 @@ _USUAL, _SPREAD = 0.02, 0.06
 _WIDTH = 0.25
 """Prior sigma of half the variance of the response time, over the squared delay [1]; a first-order
 lag has 1/2, a shift 0. It matters in a fast rise, where a wide response looks like a force."""
-_FORCE = 0.05  # prior sigma of the force over the usual brake force [1]
-_FADING = 1.0  # prior sigma of the fading force over the usual brake force [1]: hardly informative
+_FORCE, _FADING = 0.05, 1.0  # prior sigma of force and fading, over the usual brake force [1]
 _GROUP = 10  # means over which residuals are averaged to see how they are correlated: 0.2 s
 _LASTING = 1.3
 """Factor on sigma, since noise with a time constant of 0.1 s lasts longer than means over `_GROUP`
@@ -57,8 +56,7 @@ _BEFORE = 0.5  # time that is used before the pressure rises [s]: a late pressur
 _AFTER = 0.5  # time that is used after a release [s]: later the engine may drive
 _SLOW = 4.0  # speed below which only braking is used [m/s]: an automatic gearbox creeps
 _GONE = 1.0  # speed at which a motor has handed over [m/s]; the jerk below it is not used
-_LEAST = 1.0  # time of braking that is needed [s]
-_AGE = 10.0  # unit of time of the trend [s]
+_LEAST, _AGE = 1.0, 10.0  # time of braking that is needed, unit of time of the trend [s]
 _WINDOW, _BETWEEN = 0.3, 0.1  # length of each of two medians that show a step, and between them [s]
 _BITTEN = 0.4  # time of braking before a step is looked for [s]: pads and body settle
 _STEADY = 0.3  # largest change of the nominal force between the medians [1]: the delay is not exact
@@ -80,10 +78,7 @@ _NO_STEP = _ForceStep()
 
 @dataclass(frozen=True)
 class BrakeResponse:
-    """Delay of the brakes and force without pressure, each with its standard deviation.
-
-    Forces are over the usual (median) demanded brake force [1].
-    """
+    """Delay of the brakes, and forces over the usual (median) demanded brake force [1]."""
 
     level: float  # of the pads over nominal ones [1]
     delay: float  # of the deceleration after the pressure [s]
@@ -224,7 +219,8 @@ def _likeliest_delay(m: _Means, y: Array) -> tuple[float, bool]:
 def _tried_delays(m: _Means) -> tuple[Array, Array, Array]:
     """Delays [s] (d,), shifts and then lags; the nominal force and [braked] after each, (d, k)."""
     every = samples_in(_TRIED, m.step)
-    shifts = np.arange(round(_EARLIEST / m.step), round(_LATEST / m.step) + 1, every)
+    largest = round(_LARGEST / m.step)
+    shifts = np.arange(-largest, largest + 1, every)
     shifts = np.concatenate([[0], shifts[shifts != 0]])  # of equals the first, no shift, counts
     earlier = np.clip(np.arange(m.time.size) - shifts[:, None], 0, m.time.size - 1)
     lagged = [first_order(m.time, m.nominal, lag)[None] for lag in _LAGS]
@@ -241,10 +237,7 @@ def _delayed(time: Array, x: Array, delay: float, *, lagged: bool) -> Array:
 
 
 def _largest_step(m: _Means, nominal: Array, residual: Array) -> _ForceStep:
-    """Largest step of ``residual`` in the longest braking, between medians, as bumps do not count.
-
-    ``nominal`` and ``residual`` force, at ``m.inside``, are over the usual brake force [1].
-    """
+    """Largest step of ``residual`` [1] at `m.inside` in the longest braking, where N is steady."""
     time, braked = m.time[m.inside], np.flatnonzero(m.braked[m.inside] == 1.0)
     ends = np.flatnonzero(np.diff(time[braked]) > 1.5 * m.step) + 1
     longest = max(np.split(braked, ends), key=len)
@@ -253,7 +246,7 @@ def _largest_step(m: _Means, nominal: Array, residual: Array) -> _ForceStep:
         return _NO_STEP
     signals = np.stack([residual, nominal])[:, longest]
     windows = np.lib.stride_tricks.sliding_window_view(signals, width, axis=1)  # (2, k, width)
-    medians, pressed = np.median(windows, axis=-1)
+    medians, pressed = np.median(windows, axis=-1)  # so that no bump counts
     steps = medians[apart:] - medians[:-apart]
     times = time[longest][(apart + width) // 2 :][: steps.size]
     steady = np.abs(pressed[apart:] - pressed[:-apart]) < _STEADY

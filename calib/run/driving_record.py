@@ -4,7 +4,7 @@ r"""Approximate motion of the car in a log, without a vehicle file: speed, decel
               |    |     |  |
               +-event   +-event
 
-The file also holds the `Sampling` of the log's clock.
+`Sampling` describes the clock of a log.
 """
 
 from dataclasses import dataclass
@@ -34,10 +34,7 @@ NOMINAL_RADIUS = 0.32  # rolling radius of a usual wheel [m], for a speed if ``v
 
 
 def is_rolling(z: Array) -> Mask:
-    """Whether the car rolls, neither braked nor driven, by its smoothed deceleration ``z`` [g].
-
-    ``z`` (n,) is that of the accelerometer, so a slope changes nothing.
-    """
+    """Whether the car rolls, neither braked nor driven, by its smoothed deceleration ``z`` [g]."""
     return np.asarray((z > -DRIVEN_Z) & (z < ROLLING_Z))
 
 

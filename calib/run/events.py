@@ -23,27 +23,20 @@ class RunEvent:
 
 
 def run_events(log: Log) -> tuple[RunEvent, ...]:
-    """Return the events in order of time; none without ``a_x`` and the four wheel speeds.
-
-    Of a lead-in with gaps the longest part counts.
-    """
+    """Return the events in order of time; none without ``a_x`` and the four wheel speeds."""
     run = Run(log)
     if not run.has_motion_channels:
         return ()
+
+    def events(kind: str, intervals: list[tuple[int, int]]) -> list[RunEvent]:
+        times = [(float(log.time[start]), float(log.time[end - 1])) for start, end in intervals]
+        return [RunEvent(kind, start, end) for start, end in times]
+
+    lead_in = events(LEAD_IN, true_intervals(run.rolling))
+    longest = sorted(lead_in, key=lambda event: event.start - event.end)[:1]
     brakings = true_intervals(run.driving.braked)
-    lead_in = true_intervals(run.rolling)
-    lengths = [log.time[end - 1] - log.time[start] for start, end in lead_in]
-    longest = [lead_in[int(np.argmax(lengths))]] if lead_in else []
+    bites = events(BITES, [(start, start + 1) for start, _ in brakings])
     stands = np.max([log[name] for name in WHEEL_SPEEDS], axis=0) < LIMITS.standing
-    spans = {
-        LEAD_IN: longest,
-        BITES: [(start, start + 1) for start, _ in brakings],
-        BRAKING: brakings,
-        STANDSTILL: true_intervals(stands),
-    }
-    events = [
-        RunEvent(kind, float(log.time[start]), float(log.time[end - 1]))
-        for kind, intervals in spans.items()
-        for start, end in intervals
-    ]
-    return tuple(sorted(events, key=lambda event: event.start))
+    standstills = events(STANDSTILL, true_intervals(stands))
+    in_kinds = [*longest, *bites, *events(BRAKING, brakings), *standstills]
+    return tuple(sorted(in_kinds, key=lambda event: event.start))

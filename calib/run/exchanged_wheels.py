@@ -78,16 +78,13 @@ def _stands_alone(part: IntervalEstimate, others: tuple[float, float], z: float)
 
 
 def crossed_side(parts: WheelParts | None, alone: str | None = None) -> _Crossed | None:
-    """Return the exchanged wheels of one side if X shows them.
-
-    ``alone`` is the axle that brakes alone, or None. If that is the rear axle, E is negative.
-    """
+    """Return the exchanged wheels of one side if X shows them; ``alone`` is as in `Run`."""
     if parts is None:
         return None
     x = parts.diagonals
     if not _stands_alone(x, (parts.axles.value, parts.sides.value), parts.z):
         return None
-    sign_of_e = -1.0 if alone == "r" else 1.0
+    sign_of_e = -1.0 if alone == "r" else 1.0  # if the rear axle brakes alone, E is negative
     wheels = ("fl", "rl") if x.value * sign_of_e < 0.0 else ("fr", "rr")
     return _Crossed(wheels, x.value, "fl and rr" if x.value > 0.0 else "fr and rl")
 
@@ -95,8 +92,8 @@ def crossed_side(parts: WheelParts | None, alone: str | None = None) -> _Crossed
 def crossed_diagonal(parts: WheelParts | None, expected: float) -> _Crossed | None:
     """Return the exchanged wheels of a diagonal if L likely shows them.
 
-    ``expected`` is the E [1] that the table of the car predicts. A bend changes L, too, but not E:
-    L must be of the size of the expected E, and E much smaller.
+    L must be of the size of the E [1] that is ``expected`` by the table of the car, and E much
+    smaller: a bend changes L, too, but not E.
     """
     if parts is None:
         return None

@@ -14,22 +14,14 @@ def samples_in(time: float, step: float) -> int:
 
 
 def block_mean(x: Array, size: int) -> Array:
-    """Means over blocks of ``size`` samples along the last axis; a shorter rest is left out.
-
-    >>> block_mean(np.array([1.0, 3.0, 5.0, 7.0, 9.0]), 2)
-    array([2., 6.])
-    """
+    """Means over blocks of ``size`` samples along the last axis; a shorter rest is left out."""
     count = x.shape[-1] // size
     blocks = x[..., : count * size].reshape(*x.shape[:-1], count, size)
     return np.asarray(blocks @ np.ones(size) / size)  # eight times as fast as a mean of short rows
 
 
 class GroupMean:
-    """Means over groups of samples; each group is given by the indices of its samples.
-
-    >>> GroupMean([np.array([0, 1]), np.array([3])])(np.array([1.0, 3.0, 5.0, 7.0]))
-    array([2., 7.])
-    """
+    """Means over groups of samples; each group is given by the indices of its samples."""
 
     def __init__(self, groups: Sequence[Index]) -> None:
         self.sizes = np.array([group.size for group in groups])
@@ -56,10 +48,9 @@ def centred_mean(x: Array, width: int, *, held_ends: bool = False) -> Array:
     An even width has one sample more before than after. At both ends of the signal the mean is
     over fewer samples; with ``held_ends`` the first and last sample are repeated instead.
 
-    >>> centred_mean(np.array([0.0, 3.0, 6.0]), 3)
-    array([1.5, 3. , 4.5])
-    >>> centred_mean(np.array([0.0, 3.0, 6.0]), 3, held_ends=True)
-    array([1., 3., 5.])
+    >>> x = np.array([0.0, 3.0, 6.0])
+    >>> centred_mean(x, 3).tolist(), centred_mean(x, 3, held_ends=True).tolist()
+    ([1.5, 3.0, 4.5], [1.0, 3.0, 5.0])
     """
     if held_ends:
         margin = width // 2
@@ -80,10 +71,7 @@ def _window(size: int, width: int) -> tuple[Index, Index, Array]:
 
 
 def low_pass(x: Array, step: float, time_constant: float) -> Array:
-    """First-order causal low-pass of ``x`` (n,), started at its first value; times in s.
-
-    The input is constant between samples; `calib.car.lag.first_order` takes it as linear.
-    """
+    """First-order causal low-pass of ``x`` (n,), which is constant between samples; times in s."""
     gain = 1.0 - float(np.exp(-step / time_constant))
     return recursive_filter(np.append(x[:1], gain * x[1:]), [1.0, gain - 1.0])
 
@@ -104,22 +92,14 @@ def recursive_filter(x: Array, poles: Sequence[float] | Array) -> Array:
 
 
 def median_of_three(x: Array) -> Array:
-    """Median of each value (n,) and its two neighbours; it removes an error of a single sample.
-
-    >>> median_of_three(np.array([3.0, 3.0, 0.0, 3.0, 2.0, 1.0]))
-    array([3., 3., 3., 2., 2., 1.])
-    """
+    """Median of each value (n,) and its two neighbours; it removes an error of a single sample."""
     previous, middle, following = x[:-2], x[1:-1], x[2:]
     low, high = np.minimum(previous, middle), np.maximum(previous, middle)
     return np.concatenate([x[:1], np.maximum(low, np.minimum(high, following)), x[-1:]])
 
 
 def time_since(time: Array, event: Mask) -> Array:
-    """Time since the ``event`` was last true [s] (n,); infinite before it was first true.
-
-    >>> time_since(np.array([0.0, 1.0, 2.0]), np.array([False, True, False]))
-    array([inf,  0.,  1.])
-    """
+    """Time since the ``event`` was last true [s] (n,); infinite before it was first true."""
     return np.asarray(time - np.maximum.accumulate(np.where(event, time, -np.inf)))
 
 
@@ -134,10 +114,7 @@ def true_intervals(mask: Mask) -> list[tuple[int, int]]:
 
 
 def inner_products(columns: Array, y: Array) -> tuple[Array, Array, Array]:
-    """Return A^T A (m, k, k), A^T y (m, k) and y^T y of m regressions of ``y`` (n,).
-
-    The ``columns`` (m, k, n) are the A^T of each regression.
-    """
+    """Return A^T A (m, k, k), A^T y (m, k), y^T y of ``y`` (n,) and ``columns`` A^T (m, k, n)."""
     return columns @ np.swapaxes(columns, 1, 2), columns @ y, y @ y
 
 

@@ -19,15 +19,8 @@ from calib.base.errors import ModelError
 from calib.base.names import AXLES, WHEELS, G
 from calib.car.brakes import brakes_of
 from calib.car.braking import MOVING
-from calib.car.effects.combined import (
-    accelerometer_lag,
-    as_driven,
-    as_sensed,
-    on_links,
-    pad_factors,
-    reading_delay,
-    wheel_speed_factors,
-)
+from calib.car.effects import combined
+from calib.car.effects.combined import on_links, reading_delay
 from calib.car.effects.effect import BALANCE, BRAKES, READINGS
 from calib.car.effects.effects import Effects
 from calib.car.forces import axle_loads, deceleration
@@ -73,7 +66,7 @@ def remove_known_effects(vehicle: Vehicle, log: Log) -> CorrectedRun:
                 where=log.source,
                 expected="a term on the brakes, or over speed, pressure, deceleration or time",
             )
-    driven = as_driven(vehicle, full_model.effects)
+    driven = combined.as_driven(vehicle, full_model.effects)
     car = replace(driven, effects=on_links(full_model.effects, BALANCE))
     effects = on_links(full_model.effects, (*BRAKES, *READINGS))
     ones = np.ones_like(log.time)
@@ -83,7 +76,7 @@ def remove_known_effects(vehicle: Vehicle, log: Log) -> CorrectedRun:
     history = _true_motion(model, log)
     channels = {**log.channels, "a_x": -G * history.z, **_speeds_in_time(effects, log, history)}
     motion = Motion(history.v, *axle_loads(car, history.z), history)
-    for w, factor in wheel_speed_factors(car, effects, motion).items():
+    for w, factor in combined.wheel_speed_factors(car, effects, motion).items():
         channels[f"omega_{w}"] = channels[f"omega_{w}"] / factor
     factors = (ones, ones)
     if on_links(effects, BRAKES):
@@ -96,10 +89,7 @@ def remove_known_effects(vehicle: Vehicle, log: Log) -> CorrectedRun:
 def _at_plain_pads(
     model: Model, log: Log, history: RunHistory
 ) -> tuple[dict[str, Array], tuple[Array, Array]]:
-    """Wheel pressures that make the same torques on pads without effects; factors of the friction.
-
-    If left and right brake of an axle are alike, `Brakes.twin` names the one that is computed.
-    """
+    """Wheel pressures that make the same torques on plain pads, and the factors of the friction."""
     logged = {w: log[f"p_{w}"] for w in WHEELS if f"p_{w}" in log}
     pedal = constant_speed(log.time, log["p_mc"], 0.0, source=log.source)
     brakes = brakes_of(model, pedal, logged)
@@ -110,12 +100,12 @@ def _at_plain_pads(
         history = replace(history, energy_f=energy_f, energy_r=energy_r)
         torques = brakes.torques(history)
     pads = {"f": model.pad_friction_f, "r": model.pad_friction_r}
-    pressures = {
+    pressures = {  # the twin is the wheel that is computed, also for a brake that is like it
         f"p_{w}": torques[brakes.twin(w)] / (pads[w[0]] * brakes.axle(w).torque_gain)
         for w in WHEELS
     }
     clamp_f, clamp_r = (brakes.clamp[brakes.twin(f"{a}l")] for a in AXLES)
-    return pressures, pad_factors(model.effects, history, clamp_f, clamp_r)
+    return pressures, combined.pad_factors(model.effects, history, clamp_f, clamp_r)
 
 
 def _true_motion(model: Model, log: Log) -> RunHistory:
@@ -132,10 +122,10 @@ def _true_motion(model: Model, log: Log) -> RunHistory:
     )
     # invert a first-order accelerometer; a second order would matter little and add noise
     rise = np.diff(log["a_x"], prepend=log["a_x"][0]) / np.gradient(log.time)
-    a_x = reading = log["a_x"] + accelerometer_lag(model.effects) * rise
+    a_x = reading = log["a_x"] + combined.accelerometer_lag(model.effects) * rise
     for _ in range(_ITERATIONS):
         run = replace(run, z=deceleration(a_x))
-        excess = reading - as_sensed(car, model.effects, run, a_x)
+        excess = reading - combined.as_sensed(car, model.effects, run, a_x)
         a_x = a_x + excess
         if float(np.max(np.abs(excess))) < _TOLERANCE:
             return run

@@ -33,10 +33,7 @@ def lateral(
     slip: Array | float = 0.0,
     height: float = 0.0,
 ) -> Array:
-    """Lateral acceleration [m/s^2] (n,), positive in a left bend.
-
-    ``straight`` is the value of `sides` on a straight road [1]; the others are as in `turning`.
-    """
+    """`turning` after a low-pass; ``straight`` is the value of `sides` on a straight road [1]."""
     a_y = turning(sides(log) - straight, s.speed, track_width, slip, height)
     return low_pass(a_y, s.sample_time, LATERAL_TIME)
 
@@ -48,7 +45,7 @@ def turning(
     slip: Array | float,
     height: float,
 ) -> Array:
-    """Lateral acceleration a_y [m/s^2] (n,), without a low-pass.
+    """Lateral acceleration a_y [m/s^2] (n,), positive in a left bend.
 
         apart = a_y (l_w/v^2 + 4 slip h/(g l_w))
 

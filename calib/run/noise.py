@@ -44,10 +44,7 @@ def worst_noise(noises: list[SensorNoise]) -> SensorNoise:
 
 
 def sensor_noise(log: Log, b: Blocks) -> SensorNoise:
-    """Estimate the noise of the sensors from the whole run.
-
-    The motion of the car is removed from ``z`` by the pressure, and from ``v`` by the wheels.
-    """
+    """Estimate the noise of the sensors from the whole run."""
     step, moving = b.length, b.speed > MOVING
     halves = _half_differences(log)
     omega = [_long_run_density(block_mean(x, b.samples)[moving], step) for x in halves]
@@ -81,10 +78,7 @@ _FEW = 10  # samples of a lead-in that are too few: a third of the estimates are
 
 
 def lead_in_noise(log: Log, s: Signals) -> SensorNoise:
-    """Estimate the noise from the lead-in alone, as an ECU can: white noise times `_COLOUR`.
-
-    It is 0 for a lead-in of `_FEW` samples or fewer.
-    """
+    """Estimate the noise from the lead-in, as an ECU can: white noise times `_COLOUR`, or 0."""
     if np.count_nonzero(s.lead_in) <= _FEW:
         return SensorNoise(0.0, 0.0, 0.0, 0.0)
     omega = _rms([_white_sigma(x[s.lead_in]) for x in _half_differences(log)])
@@ -117,8 +111,7 @@ def _long_run_density(
     if windows == 0:
         return float(np.std(x) * np.sqrt(step / per_group))
 
-    def by_window(blocks: Array) -> Array:
-        """Group means, (windows, length)."""
+    def by_window(blocks: Array) -> Array:  # group means, (windows, length)
         return block_mean(blocks, per_group)[: windows * length].reshape(windows, length)
 
     y = by_window(x)

@@ -24,11 +24,7 @@ parabola and the sample may err by `_NOISE`."""
 
 
 def as_pressed(p: Array, step: float) -> Array:
-    """Pressure [Pa] (n,) averaged where it is constant, smoothed where it changes; ``step`` [s].
-
-    Where it changes, a parabola through its neighbours replaces a sample. If the two differ by more
-    than `_NOISE`, the sample stays: a fast application stays sharp.
-    """
+    """Pressure [Pa] (n,) averaged where it is constant, smoothed where it changes; ``step`` [s]."""
     from scipy.ndimage import maximum_filter1d, minimum_filter1d
     from scipy.signal import savgol_filter
 
@@ -40,6 +36,7 @@ def as_pressed(p: Array, step: float) -> Array:
     swing = maximum_filter1d(p, 2 * width) - minimum_filter1d(p, 2 * width)
     constant = swing < _CONSTANT * sigma
     parabola = savgol_filter(p, max(5, width | 1), 2)
+    # a sample far from the parabola stays, so that a fast application stays sharp
     changing = np.where(np.abs(parabola - p) < _NOISE * sigma, parabola, p)
     smooth = np.where(constant, np.where(mean < RELEASED, 0.0, mean), changing)
     return _without_peaks(smooth, constant, _PEAK * sigma, width)
@@ -65,14 +62,10 @@ def _without_peaks(p: Array, constant: Mask, limit: float, width: int) -> Array:
 
 
 def _noise_of(p: Array) -> float:
-    """Standard deviation of the noise of a pressure (n,), from its third differences.
-
-    Their median counts, or their 90 % quantile if the median is zero, as for noise below the
-    resolution. An interpolated pressure has its noise in differences over several samples; these
-    count if they show `_HIDDEN` times as much.
-    """
+    """Standard deviation of the noise of a pressure (n,), from its third differences."""
     at_lag_one, *at_larger_lags = noise_over(p, _WIDEST)
-    if at_lag_one == 0.0:
+    if at_lag_one == 0.0:  # the median, for noise below the resolution: take the 90 % quantile
         at_lag_one = float(np.quantile(np.abs(np.diff(p, 3)), 0.9)) / Z90 / math.sqrt(20.0)
+    # an interpolated pressure has its noise in differences over several samples
     largest = max(at_larger_lags, default=0.0)
     return largest if largest > _HIDDEN * at_lag_one else at_lag_one

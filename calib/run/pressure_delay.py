@@ -37,8 +37,7 @@ from calib.run.filters import (
 
 _TRIED = np.linspace(-4.0, 4.0, 161)  # delays that are tried [s]; two clocks may be anywhere apart
 _USUAL, _SPREAD = 0.02, 0.06
-"""Median and half width of the Cauchy prior of the delay [s]: usual brakes and filters are within
-it, and its tails allow a second."""
+"""Median and half width of the Cauchy prior of the delay [s], whose tails allow a second."""
 _SURE = 0.98  # probability that the delay is above `low`, and that it is below `high` [1]
 _IN_TIME = 0.6  # longest delay of brakes [s]: a diagnosis looks for lags and delays of up to 0.5 s
 _KEPT, _BRAKED = 0.5, 0.25  # least shares of all and of braked rows with a known pressure [1]
@@ -127,10 +126,7 @@ def pressure_delay(
 
 
 def _means(time: Array, use: Mask, *signals: Array) -> tuple[Array, Mask, list[Array]]:
-    """Means of the ``signals`` around each sample, its time, and whether all of them are of use.
-
-    Samples near an end of the log, without a full window, are left out.
-    """
+    """Means around each sample with a full window: its time, whether all is used, the signals."""
     width = samples_in(LIMITS.pressure_width, step_of(time)) | 1
     inside = slice(width // 2, time.size - width // 2)
     unused, *means = (centred_mean(x, width)[inside] for x in ((~use).astype(float), *signals))
@@ -140,10 +136,9 @@ def _means(time: Array, use: Mask, *signals: Array) -> tuple[Array, Mask, list[A
 def _shifted(
     time: Array, pressures: Sequence[Array], rows: Index, braked: Mask
 ) -> tuple[Array, Mask, Array]:
-    """Delays to try (m,), where p(t - delay) is known (m, n), and the k pressures p (k, m, n).
+    """Delays for which enough of p(t - delay) is known (m,), where it is (m, n), and p (k, m, n).
 
-    The times t are those of ``rows`` (n,), ``braked`` or not. A delay is tried if enough of p is
-    known.
+    The times t are those of ``rows`` (n,), ``braked`` or not.
     """
     earlier = time[rows] - _TRIED[:, None]  # (161, n)
     inside = earlier <= time[-1]

@@ -50,13 +50,12 @@ class Resistance:
 
 
 def identify(vehicle: Vehicle, runs: Iterable[tuple[Blocks, float]]) -> Resistance:
-    """Estimate drag and rolling resistance from the lead-ins of ``runs``: blocks, noise of z.
+    """Estimate drag and rolling resistance from lead-ins: blocks and noise density of z [s^0.5].
 
-    The noise is a density [s^0.5]. Values of the vehicle file stay, and its other effects are
-    removed first. The result is the posterior mode within the ranges of the cards, with a Gaussian
-    prior at their typical values; the covariance ignores the ranges.
-
-    Raises ModelError for an unknown effect or parameter of the vehicle, or a value out of range.
+    Values of the vehicle file stay, and its other effects are removed first. The result is the
+    posterior mode within the ranges of the cards, with a Gaussian prior at their typical values;
+    the covariance ignores the ranges. Raises ModelError for an unknown effect or parameter of the
+    vehicle, or a value out of range.
     """
     effects = default_model(vehicle).effects
     others = effects.without(*RESISTANCE)
@@ -67,19 +66,9 @@ def identify(vehicle: Vehicle, runs: Iterable[tuple[Blocks, float]]) -> Resistan
         [p.typical if value is None else value for p, value in zip(priors, specified, strict=True)]
     )
     spread = np.asarray([p.spread for p in priors]) * np.where(free, 1.0, _FIXED)
-    rows, sides = [np.diag(1.0 / spread)], [solution / spread]
-    for b, density in runs:
-        use = b.lead_in & (b.speed > 3.0)
-        count = int(use.sum())
-        if count < 4:
-            continue
-        resistance = (block_balance(vehicle, others, b).demanded / vehicle.weight)[use]
-        gain = np.column_stack([_drag_gain(vehicle, b.speed[use]), np.ones(count)])
-        # sigma of a block, for ``count`` of them: white noise, and an error that all blocks share
-        sigma = np.sqrt(density**2 / b.length + count * _MODEL_ERROR**2)
-        rows.append(gain / sigma)
-        sides.append(resistance / sigma)
-    A, y = np.vstack(rows), np.concatenate(sides)
+    equations = [(np.diag(1.0 / spread), solution / spread)]  # of the prior
+    equations += [_equations(vehicle, others, b, density) for b, density in runs]
+    A, y = (np.concatenate(part) for part in zip(*equations, strict=True))
     if np.any(free):
         # 1e-12: a value that is below its range by rounding alone makes no bound active
         low, high = np.asarray([(p.low - 1e-12, p.high) for p in priors])[free].T
@@ -96,6 +85,19 @@ def identify(vehicle: Vehicle, runs: Iterable[tuple[Blocks, float]]) -> Resistan
         covariance=tuple(tuple(row) for row in covariance.tolist()),
         specified=not np.any(free),
     )
+
+
+def _equations(vehicle: Vehicle, others: Effects, b: Blocks, density: float) -> tuple[Array, Array]:
+    """Equations A x = y by the k blocks of a lead-in, with errors of sigma 1: A (k, 2), y (k,)."""
+    use = b.lead_in & (b.speed > 3.0)
+    count = int(use.sum())
+    if count < 4:
+        return np.empty((0, 2)), np.empty(0)
+    resistance = (block_balance(vehicle, others, b).demanded / vehicle.weight)[use]
+    gain = np.column_stack([_drag_gain(vehicle, b.speed[use]), np.ones(count)])
+    # noise is white; the error of the model is common to a run, so its blocks count as one
+    sigma = np.sqrt(density**2 / b.length + count * _MODEL_ERROR**2)
+    return gain / sigma, resistance / sigma
 
 
 def _bounded(A: Array, y: Array, low: Array, high: Array) -> Array:

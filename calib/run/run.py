@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from calib.base.arrays import Array, Mask
-from calib.base.names import CHANNELS
+from calib.base.names import CHANNELS, WHEEL_SPEEDS
 from calib.car.braking import BITE, MOVING
 from calib.car.effects.effects import Effects
 from calib.car.vehicle import Vehicle
@@ -29,10 +29,11 @@ from calib.run.accelerometer import (
     other_scale,
     speed_evidence,
 )
-from calib.run.axle_signals import Signals, causal_signals, signals, wheels_held
+from calib.run.axle_signals import Signals, causal_signals, held_time, signals
 from calib.run.blocks import Axle, Blocks, block_balance, blocks, braked_alone
 from calib.run.brake_response import BrakeResponse, brake_balance, brake_response
 from calib.run.driving_record import (
+    NOMINAL_RADIUS,
     BrakeEvent,
     DrivingRecord,
     Sampling,
@@ -154,7 +155,8 @@ class Run:
     @cached_property
     def wheels_held(self) -> float:
         """Mean time for which a wheel speed holds a value while the car slows [s]."""
-        return wheels_held(self.log) if self.has_motion_channels else 0.0
+        times = [held_time(self.log, name, MOVING / NOMINAL_RADIUS) for name in WHEEL_SPEEDS]
+        return float(np.median(times)) if self.has_motion_channels else 0.0
 
     @cached_property
     def slips(self) -> dict[str, Array]:
@@ -243,9 +245,8 @@ class Run:
         self, resistance: "Resistance", noise: SensorNoise | None = None
     ) -> Accelerometer:
         """Scale and offset of the accelerometer; ``noise`` is that of the run by default."""
-        b, evidence = self.blocks, self.speed_evidence
-        if noise is not None:
-            evidence = speed_evidence(b, noise.z, noise.v)
+        b = self.blocks
+        evidence = speed_evidence(b, noise.z, noise.v) if noise else self.speed_evidence
         unexplained = block_balance(self.car, resistance.effects, b).demanded / self.car.weight
         return accelerometer(evidence, unexplained, resistance.sigma_z(self.car, b.speed))
 

@@ -50,10 +50,7 @@ class _FingerprintChannel:
 
 @dataclass(frozen=True)
 class Fingerprint:
-    """Consecutive means over ``step`` [s] of the channels of a run, in a ``version`` of the format.
-
-    Raises ValueError for a fingerprint that is not one of this format.
-    """
+    """Means over ``step`` [s] of the channels of a run; ValueError if they have another format."""
 
     version: int
     step: float
@@ -63,12 +60,9 @@ class Fingerprint:
         names = {channel.name for channel in self.channels}
         sizes = {_decoded(channel.differences).size for channel in self.channels}
         units = (self.step, *(channel.unit for channel in self.channels))
-        if (
-            self.version != VERSION
-            or not set(WHEEL_SPEEDS) <= names <= set(_COMPARED)
-            or not all(0.0 < unit < math.inf for unit in units)
-            or len(sizes) != 1
-        ):
+        has_names = set(WHEEL_SPEEDS) <= names <= set(_COMPARED)
+        has_values = len(sizes) == 1 and all(0.0 < unit < math.inf for unit in units)
+        if not (self.version == VERSION and has_names and has_values):
             raise ValueError(f"no fingerprint of a run in version {VERSION} of its format")
 
     @cached_property

@@ -30,15 +30,13 @@ class Sensor:
 
 
 def sensors_of(log: Log, driving: DrivingRecord | None) -> tuple[Sensor, ...]:
-    """Return the sensors of all measured channels except ``time``.
-
-    Without ``driving`` all samples count as unbraked, and no value as stuck.
-    """
+    """Return the sensors of all measured channels except ``time``."""
     names = [name for name in CHANNELS if name in log and name != "time"]
     return tuple(_sensor(name, log, driving) for name in names)
 
 
 def _sensor(name: str, log: Log, driving: DrivingRecord | None) -> Sensor:
+    """Without a driving record all samples count as unbraked, and no value as stuck."""
     x = log[name]
     unbraked = x if driving is None else x[driving.unbraked]
     magnitude = -x if name == "a_x" else x  # of a braking
@@ -95,11 +93,7 @@ def _saturation(x: Array, step: float) -> float:
 
 
 def _may_stay(name: str, x: Array, driving: DrivingRecord | None) -> bool:
-    """Whether a channel may stay at its highest value: a motor at rest, a pressure that is held.
-
-    While a driver holds the pressure, z is constant. At the end of the sensor's range z would go
-    on to rise.
-    """
+    """Whether a channel may stay at its highest value: a motor at rest, a pressure that is held."""
     if name in _HIGHEST_AT_REST:
         return True
     if driving is None or not name.startswith("p_"):
@@ -108,6 +102,7 @@ def _may_stay(name: str, x: Array, driving: DrivingRecord | None) -> bool:
     start, end = max(at_highest, key=lambda interval: interval[1] - interval[0])
     start += round(LIMITS.followed / driving.step)
     followed = slice(start, end - round(SMOOTHING / driving.step))
+    # while a driver holds the pressure, z stays; at the end of the sensor's range it would rise
     z = driving.z[followed][driving.moving[followed]]
     return z.size > 0 and float(z.max() - z[0]) < LIMITS.presses * float(z.max())
 

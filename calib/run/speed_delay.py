@@ -37,8 +37,7 @@ EVEN, CHANGING = 0.0002, 0.015
 2 m; a crest of 6 km radius changes the grade by 0.005 a second at 30 m/s, a bridge by 0.02."""
 ODDS_ROAD = np.array([0.97, 0.03])  # prior chances of an even and a changing road
 _BRAKES = 1.5  # least deceleration that shows a delay [m/s^2]
-_LIKELY = 0.3  # probability of a late v from which v is not used as read
-_SURE = 0.95  # probability of a late v from which the delay is corrected
+_LIKELY, _SURE = 0.3, 0.95  # chance of a late v from which it is not used as read, is corrected
 _STEP = 0.01  # step of the delays that are tried [s]: half of `_SHARP`
 _SHARP = 0.02
 """Standard deviation of a delay [s] from which v is not used instead of shifted: at 0.5 g it makes

@@ -127,38 +127,30 @@ def axles_of(log: Log, driving: DrivingRecord, slips: Mapping[str, Array]) -> Ax
 def _largest_change(
     front: Array, rear: Array, free: Mask, braking: Mask, step: float
 ) -> IntervalEstimate | None:
-    """Largest change of eta from ``free`` rolling to a third of the ``braking`` [1].
-
-    The mean of the whole braking may not change, since eta rises and falls again.
-    """
+    """Largest change of eta from ``free`` rolling to a third of the ``braking`` [1]."""
     rolling, slipping = (_ratios(front, rear, mask, step) for mask in (free, braking))
     if min(rolling.size, slipping.size) < 3:
         return None
-    thirds = np.array_split(slipping, 3)
+    thirds = np.array_split(slipping, 3)  # eta rises and falls again: its mean may not change
     changes = [float(np.mean(third) - np.mean(rolling)) for third in thirds]
     largest = int(np.argmax(np.abs(changes)))
     return IntervalEstimate(changes[largest], float(half_width(rolling, thirds[largest].size)))
 
 
 def rolling_radius(log: Log, driving: DrivingRecord) -> float | None:
-    """Median of v over the median wheel speed [m], unbraked, by (19) at zero slip; None without v.
-
-    It contains the slip that an engine in gear makes: 0.1 % at 0.03 g.
-    """
+    """Median of v over the median wheel speed [m], unbraked, (19) at zero slip; None without v."""
     if "v" not in log:
         return None
     wheel = np.median([log[f"omega_{w}"] for w in WHEELS], axis=0)
     rolling = ~driving.braked & (wheel * NOMINAL_RADIUS > MOVING)
     if rolling.sum() < LIMITS.noise_fewest:
         return None
+    # an engine in gear makes a slip of 0.1 % at 0.03 g, which is in the result
     return float(np.median(log["v"][rolling] / wheel[rolling]))
 
 
 def _slope_over_wheels(driving: DrivingRecord, use: Mask) -> float | None:
-    """Slope of the measured deceleration over that of the wheels [m], within ``use`` (n,).
-
-    It is None if a deceleration hardly changes, or if the two do not correlate.
-    """
+    """Slope of the measured deceleration over that of the wheels [m]; None without correlation."""
     width = samples_in(LIMITS.slope_time, driving.step) | 1
     use = driving.moving & use
     slowing = centred_mean(driving.wheel_z * G / NOMINAL_RADIUS, width)[use]  # [rad/s^2]

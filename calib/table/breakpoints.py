@@ -46,8 +46,7 @@ def place(x: Array, curves: Array, points: int) -> Index:
 def place_weighted(x: Array, curves: Array, weights: Array, points: int) -> Index:
     """Return the rows of ``x`` (n,) as in `place`, by the least weighted sum of squared errors.
 
-    ``curves`` and ``weights`` (k, n) are slices of a map. Where the weights are small, in corners
-    that few stops reach, the map takes few breakpoints.
+    ``curves`` and ``weights`` (k, n) are slices of a map; corners of small weight get few points.
     """
     n = len(x)
     if points >= n:

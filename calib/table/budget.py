@@ -20,16 +20,11 @@ from calib.car.beliefs import CAR
 from calib.car.vehicle import Vehicle
 from calib.table.table import Calibration, Table
 
-Parts = dict[str, float]
-"""Standard deviation of ln of a pad friction [1] by part: the sum of squares is its variance."""
-_Variances = Mapping[str, float]
-"""Variance of ln of a pad friction, of the pads' level or of their ratio [1], by part."""
+Parts = dict[str, float]  # standard deviation of ln of a pad friction [1], by part
+_Variances = Mapping[str, float]  # variance of ln of the pads' level or ratio [1], by part
 PER_RUN = ("noise", "zeros")
-"""Parts that differ from run to run of the same car.
-
-All other parts, such as mass and road, count as common to the cars of a line. What differs from car
-to car, such as the weight of a driver, is in the scatter between cars.
-"""
+"""Parts that differ from run to run of a car. All other parts, such as mass and road, count as
+common to the cars of a line; what differs from car to car is in the scatter between cars."""
 RAMP, STOP = "ramp", "stop"  # kinds of a budget: of a fit, of a stop
 _WEIGHED = 0.99 * Vehicle.mass_tolerance  # sigma of a mass below which the car was weighed [1]
 
@@ -81,11 +76,7 @@ def deviations(variances: _Variances) -> Parts:
 
 
 def parts_text(parts: Parts) -> str:
-    r"""Text of the three largest parts, as half widths of 95 % intervals.
-
-    >>> parts_text({"tyres": 0.01, "mass": 0.03, "load_geometry": 0.002})
-    'mass ±5.9\xa0%, tyres ±2.0\xa0%, load geometry ±0.4\xa0% (95\xa0%)'
-    """
+    """Text of the three largest parts, as half widths of 95 % intervals."""
     largest = sorted(parts, key=lambda part: -parts[part])[:3]
     widths = (f"{_label(part)} ±{100.0 * Z95 * parts[part]:.1f}{NBSP}%" for part in largest)
     return f"{', '.join(widths)} (95{NBSP}%)"

@@ -20,12 +20,8 @@ from calib.base.intervals import Z95
 from calib.table.maps import MAPS, Map, PadMap
 from calib.table.table import Table, Value
 
-TOLERANCE = 1e-5
-"""Largest difference of two numbers over the largest number of their list or column [1].
-
-A fitted value and its sigma count as one list.
-"""
-_VALUE = {"value", "sigma"}  # keys of a fitted value in a record
+TOLERANCE = 1e-5  # of a difference, over the largest number of the list or column [1]
+_VALUE = {"value", "sigma"}  # keys of a fitted value in a record: both count as one list
 _RESULTS = ("calibration", "effects", "noise", "quality")  # sections with numbers of the fit
 _SHARE_OF_CELLS = 0.95  # that must be within the 95 % bands, as bands promise no more [1]
 

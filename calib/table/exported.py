@@ -23,8 +23,7 @@ from calib.table.table import Table
 
 BITS = (8, 16, 32)  # widths of the signed integer types of C
 LEAST_BITS = 16
-"""Least number of bits for the axes of a map and the scalars of a table: (eta - 1)/z needs small
-steps near 0 and a wide range, and with 8 bits mass and pads would be 0.8 % wrong."""
+"""Least number of bits for axes of a map, which need small steps near 0, and scalars of a table."""
 _MAX_SHIFT = 52  # largest `Fixed.shift`: the step is then that of a double at 1
 _NOT_READ = ("share", "prior")  # columns that the estimator does not read
 _LEAST_WIDTH = 1e-3  # least width of bounds that counts in the weights of breakpoints [1]
@@ -52,10 +51,7 @@ class Fixed:
 
 
 def _to_fixed(values: Array, bits: int, origin: float = 0.0) -> Fixed:
-    """Return the nearest integers of ``bits`` (signed) for ``values`` (n,), with the finest step.
-
-    Raises ExchangeError for a width that C does not have.
-    """
+    """Return the nearest signed integers of ``bits`` for ``values`` (n,), with the finest step."""
     if bits not in BITS:
         expected = "one of " + ", ".join(map(str, BITS))
         raise ExchangeError(f"fixed point of {bits} bits", expected=expected)
@@ -120,19 +116,13 @@ class Precision:
         return values.astype(np.float32).astype(np.float64) if self.floating == 32 else values
 
     def numbers(self, values: Array, origin: float = 0.0) -> Written:
-        """Return numbers (n,) as they are written, with the ``origin`` of their integers.
-
-        Raises ExchangeError for a width that C does not have.
-        """
+        """Return numbers (n,) as written; ExchangeError for a width that C does not have."""
         if self.bits is not None:
             return Written(values, _to_fixed(values, self.bits, origin))
         return Written(self.computed(values))
 
     def axis(self, name: str, values: Array, origin: float = 0.0) -> Written:
-        """Return an axis (n,) as it is written, as in `numbers`.
-
-        Raises ExchangeError if rounding makes two breakpoints equal.
-        """
+        """Return an axis as in `numbers`; ExchangeError if rounding makes two breakpoints equal."""
         written = self.numbers(values, origin)
         if np.any(np.diff(written.ecu_values) <= 0.0):
             width, finer = f"{self.bits} bits", "more bits"
@@ -145,10 +135,7 @@ class Precision:
         return Written(self.computed(written.ecu_values)) if self.code and self.bits else written
 
     def rows(self, name: str, x: Array, curves: Array) -> Index:
-        """Return the rows of ``curves`` (k, n) over ``x`` (n,) to keep.
-
-        Raises ExchangeError for more points than rows, or fewer than an axis has ends.
-        """
+        """Return the rows of ``curves`` (k, n) over ``x`` to keep; ExchangeError with too few."""
         if self.points is None:
             return np.arange(len(x))
         if not FEWEST <= self.points <= len(x):
@@ -178,16 +165,13 @@ def written_map(whole: Map, how: Precision, label: str) -> WrittenMap:
 
 
 def _rows(whole: Map, i: int, points: int | None) -> Index:
-    """Return the rows of axis ``i`` to keep, for all columns that are read.
-
-    The weight of a cell is its share of the stops over the square of the width of its bounds.
-    """
+    """Return the rows of axis ``i`` to keep, for all columns that are read."""
     x = list(whole.axes.values())[i]
     if points is None:
         return np.arange(x.size)
     bounded = whole.bounded_columns[0]
     width = whole.grid(f"{bounded}_upper") - whole.grid(f"{bounded}_lower")
-    share = whole.grid("share") if "share" in whole.names else 1.0
+    share = whole.grid("share") if "share" in whole.names else 1.0  # of the stops
     weight = share / np.maximum(width, _LEAST_WIDTH) ** 2
 
     def curves(grid: Array) -> Array:
@@ -201,7 +185,7 @@ def _rows(whole: Map, i: int, points: int | None) -> Index:
 
 
 def _misfit(whole: Map, reduced: Map) -> dict[str, Misfit]:
-    """Errors of a reduced map, by axis, at the cells of the whole map, where the largest one is."""
+    """Errors of a reduced map by axis, at the cells of the whole map: there the largest one is."""
     interpolated = reduced.on(list(whole.axes.values()))
     names = [name + end for name in whole.bounded_columns for end in ("_lower", "", "_upper")]
     gaps = np.array([getattr(interpolated, name) - getattr(whole, name) for name in names])

@@ -1,7 +1,4 @@
-"""Conditions that every table must satisfy, whether its fit is good or not.
-
-`violations` runs all checks, each of which yields what it finds in words.
-"""
+"""Conditions that every table must satisfy, whether its fit is good or not."""
 
 from collections.abc import Iterator
 

@@ -116,12 +116,10 @@ class Reader:
 
 @dataclass(frozen=True)
 class PadMap(Map):
-    """ln of the pads' ratio given z, eta and slip: medians with 95 % bounds. Shapes (n,), all [1].
-
-    The axis ``z`` is the brake force over the weight, computed from the zeroed deceleration.
-    """
+    """ln of the pads' ratio given z, eta, slip: medians with 95 % bounds. Shapes (n,), all [1]."""
 
     AXES: ClassVar[tuple[str, ...]] = ("z", "shift", "slip")
+    # z is the brake force over the weight, from the zeroed deceleration
 
     shift: Array  # (eta - 1)/z
     slip: Array  # ln(slip/z) less `log_slip`, over `log_slip_sigma`
@@ -186,10 +184,7 @@ class Draws:
 
 
 def columns(part: object) -> dict[str, Array]:
-    """Return the columns (n,) of a curve, map or draws by name.
-
-    A field NAME of shape (n, k) is the columns NAME_1, NAME_2 and so on.
-    """
+    """Return the columns (n,) of a part by name; a field NAME (n, k) is NAME_1, NAME_2 ..."""
     flat: dict[str, Array] = {}
     for name, x in vars(part).items():
         if x.ndim > 1:

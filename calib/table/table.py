@@ -240,10 +240,7 @@ class Table(Viewable):
 
     @property
     def not_sensed(self) -> dict[str, str]:
-        """Effects that an ECU cannot take out, each with the signal that the ECU lacks.
-
-        Wheel pressures count if the fit warned that they differ from p_mc.
-        """
+        """Effects that an ECU cannot take out, each with the signal that the ECU lacks."""
         lacking = not_sensed(self.vehicle.effects)
         if any(warning.code == "wheel_pressures" for warning in self.warnings):
             lacking["wheel_pressures"] = "the pressures of the wheels, which are not p_mc"

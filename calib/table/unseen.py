@@ -1,7 +1,7 @@
 """Entries of a vehicle file whose errors the logs cannot show, and measurements that would.
 
-A wrong entry makes the level or the ratio of the fitted pads wrong (`calib.table.budget`). Only a
-level or ratio beyond the usual scatter of pads gives a warning, so smaller errors go unseen.
+A wrong entry makes level or ratio of the fitted pads wrong (`calib.table.budget`). A warning comes
+only beyond the usual scatter of pads, so smaller errors go unseen.
 """
 
 import math
@@ -81,7 +81,7 @@ def _entries(
     The changes are per relative error of the entry. Of the ratio only the part that comes from eta
     changes; the other part comes from the pads of the vehicle file.
     """
-    share, by_eta = _share(table), 1.0 - _nominal_weight(table)
+    share, by_eta = _front_share(table), 1.0 - _nominal_weight(table)
     yield "mass", mass, 1.0, 0.0
     yield "p_mc", None, -1.0, 0.0
     if not v:
@@ -100,7 +100,7 @@ def _nominal_weight(table: Table) -> float:
     return table.quality.get("pad_ratio_nominal_weight", 0.0)
 
 
-def _share(table: Table) -> float:
+def _front_share(table: Table) -> float:
     """Share of the front axle in the brake force [1] with the fitted pads."""
     return front_share(table.vehicle, table.calibration.pad_log_ratio.value)
 
@@ -111,7 +111,7 @@ def _by_loads(table: Table) -> tuple[float, float]:
     With equal tyres, eta fixes share/F_zf - (1 - share)/F_zr, by (22), where the share is that of
     the front axle in the brake force. A wrong load makes the share wrong. z is half of the ramp's.
     """
-    car, share = table.vehicle, _share(table)
+    car, share = table.vehicle, _front_share(table)
     z = 0.5 * table.quality.get("deceleration_max", 0.4)
     front, rear = (float(load) / car.weight for load in axle_loads(car, np.asarray(z)))
     # change of the share, then of ln(share/(1 - share)), per load over W that moves to the front
@@ -124,7 +124,7 @@ def _by_loads(table: Table) -> tuple[float, float]:
 
 def _unseen(table: Table, entry: str, doubt: float | None, level: float, ratio: float) -> Unseen:
     """Return an entry that changes ln of the pads' ``level`` and ``ratio`` per relative error."""
-    share, pads = _share(table), table.calibration
+    share, pads = _front_share(table), table.calibration
     sigmas = next(rule.sigmas for rule in RULES if rule.code == "pads_off_file")
     scale_sigma = pads.pad_scale.sigma / pads.pad_scale.value
     level_limit = sigmas * math.hypot(grade_sigma(table.vehicle), scale_sigma)

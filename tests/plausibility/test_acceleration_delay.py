@@ -28,9 +28,8 @@ def test_a_delay_of_a_x_is_measured(kind, by, absent):
     measured = acceleration_delay(Run(log, CAR))
     assert measured.value == pytest.approx(by, abs=0.06)
     assert measured.against == ("the wheel speeds" if absent else "v")
-    assert [one.code for one in broken((a_x_late,), Evidence(Run(log, CAR)))] == (
-        ["a_x_late"] if by else []
-    )
+    codes = [warning.code for warning in broken((a_x_late,), Evidence(Run(log, CAR)))]
+    assert codes == (["a_x_late"] if by else [])
 
 
 def test_a_log_without_braking_shows_no_delay():

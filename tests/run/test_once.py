@@ -15,7 +15,7 @@ from tests.support.reference_car import CAR, REAL, noisy, ramp, stop
 OF_A_LOG = (
     "remove_known_effects", "signals", "blocks", "sensor_noise", "driving_record", "slips_of",
     "speed_delay", "delays_of", "other_scale", "brake_response", "axles_of",
-    "wheel_parts", "sensors_of", "wheels_held",
+    "wheel_parts", "sensors_of",
 )  # fmt: skip
 
 

@@ -20,10 +20,7 @@ def entries(**options):
 
 @pytest.mark.parametrize(
     ("options", "shown"),
-    [
-        ({"v": True}, {"a_x", "rolling_radius"}),
-        ({"v": False, "mass": 0.004}, set()),
-    ],
+    [({"v": True}, {"a_x", "rolling_radius"}), ({"v": False, "mass": 0.004}, set())],
 )
 def test_entries_that_a_speed_shows_are_not_listed(options, shown):
     without_v = entries(v=False)
