@@ -9,6 +9,7 @@ an axle is the mean of left and right wheel: steering and road crown cancel to f
 
 import math
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -62,7 +63,7 @@ class Signals(AxleSignals):
 
     def take(self, rows: Index) -> "Signals":
         """Return the samples at ``rows`` alone."""
-        arrays = {name: x[rows] for name, x in vars(self).items() if isinstance(x, np.ndarray)}
+        arrays: Any = {k: x[rows] for k, x in vars(self).items() if isinstance(x, np.ndarray)}
         return replace(self, **arrays)
 
 

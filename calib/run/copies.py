@@ -96,8 +96,7 @@ def _is_noise(log: Log, channel: str) -> bool:
 
 
 _CHANNELS = ("p_mc", "a_x", "v", *WHEEL_SPEEDS)  # inputs of a diagnosis
-_FEWEST = 20  # changes from which a period is estimated
-_SOONER = 0.1  # share of the changes that may come sooner than a period: messages jitter
+_FEWEST, _SOONER = 20, 0.1  # changes needed for a period; share that may come sooner, by jitter
 _LATER = 1.6  # longest time between two changes that counts as one period [periods]
 _SAME = 0.6  # a value that stays this much longer was sent once more [periods]
 _LONGEST = 0.25  # longest period [s]: a channel that changes less often rests, or is coarse
