@@ -53,10 +53,7 @@ def _pads() -> tuple[float, ...]:
 
 
 def _stops() -> tuple[float, ...]:
-    """Return front and rear pads in a stop of a multi-body car, and a torque error in another [1].
-
-    The error is that of the front wheels' mean brake torque, relative and rms.
-    """
+    """Return pads of a stop, and the relative rms error of a front torque in another stop [1]."""
     table = fit(_car(_BODY), [_log(f"{_BODY}/cal_ramp.parquet")])
     steps = validate(table, [_log(f"{_BODY}/hold2_steps_muf25_mur33.parquet")])[0].estimate
     pads = (float(np.mean(x.value[steps.valid])) for x in (steps.best.pads_f, steps.best.pads_r))

@@ -33,10 +33,8 @@ def sheets(
     if stored is None:
         yield from map(_of_log, logs)
     else:
-        roles = []  # role of each log in the fit of the table, "" for other logs
-        for run in logs:
-            parent = stored.table.provenance.fitted_log_of(run)
-            roles.append(parent.role if parent else "")
+        parents = map(stored.table.provenance.fitted_log_of, logs)
+        roles = [parent.role if parent else "" for parent in parents]  # "" for no log of the fit
         ramps = [run for run, role in zip(logs, roles, strict=True) if role == "ramp"]
         if ramps or not logs:
             measured = tuple(measure(stored.table, ramp) for ramp in ramps)

@@ -117,10 +117,7 @@ _FACTS = {
 
 
 def facts_of(result: object) -> Facts:
-    """Return the facts of a result, which may be facts already.
-
-    Raises KeyError for a class that `_FACTS` does not have.
-    """
+    """Return the facts of a result, or facts as they are. Raises KeyError for an unknown class."""
     if isinstance(result, Facts):
         return result
     module, _, name = _FACTS[type(result).__name__].partition(":")

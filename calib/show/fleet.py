@@ -45,6 +45,9 @@ def fleet_facts(summary: Summary) -> Facts:
     failed = [(log, _limits(keys)) for log, keys in summary.failed.items()]
     more = f" and {len(failed) - _FIRST} more" if len(failed) > _FIRST else ""
     first_failed = ", ".join(log for log, _ in failed[:_FIRST]) + more
+    failed_row = [("failed", first_failed)] if failed else []
+    copies = [f"one recording, counted {len(x)} times: {', '.join(x)}" for x in summary.copies]
+    to_look_at = [metric for metric in metrics if metric.outlying.any()]
     return Facts(
         "Fleet",
         headline=summary.headline,
@@ -53,11 +56,8 @@ def fleet_facts(summary: Summary) -> Facts:
             ("logs", str(len(summary.logs))),
             *((status, str(count)) for status, count in summary.status.items()),
         ],
-        rows=[*_torque(metrics), *([("failed", first_failed)] if failed else []), *apart[:_FIRST]],
-        notes=[
-            f"one recording, counted {len(logs)} times: {', '.join(logs)}"
-            for logs in summary.copies
-        ],
+        rows=[*_torque(metrics), *failed_row, *apart[:_FIRST]],
+        notes=copies,
         parts=[
             Facts("All that stands apart", rows=apart[:_MOST] if len(apart) > _FIRST else ()),
             Facts(
@@ -68,10 +68,7 @@ def fleet_facts(summary: Summary) -> Facts:
                 ],
             ),
             Facts("All metrics", tables=[Table(_HEADS, list(map(_row, metrics)))]),
-            Facts(
-                "Metrics to look at",
-                parts=[_metric(summary, metric) for metric in metrics if metric.outlying.any()],
-            ),
+            Facts("Metrics to look at", parts=[_metric(summary, metric) for metric in to_look_at]),
         ],
     )
 

@@ -229,11 +229,8 @@ def _image(fig: Any, panel: Panel, field: Field) -> None:
 
 
 def _short(values: Array) -> Array:
-    """Return values (n,) rounded to 1 part in 4,000, so that they can be packed well.
-
-    A float of 32 bits keeps sign, exponent and 11 bits of its fraction; the last 12 bits are 0.
-    """
-    bits = values.astype(np.float32).view(np.uint32)
+    """Return values (n,) rounded to 1 part in 4,000, so that they can be packed well."""
+    bits = values.astype(np.float32).view(np.uint32)  # the last 12 bits of each become 0
     return ((bits + 0x800) & np.uint32(0xFFFFF000)).view(np.float32)
 
 

@@ -36,7 +36,7 @@ _EVENTS: dict[str, Stroke] = {
 _STROKES = {**style.WHEEL_STROKES, "f": style.FRONT, "r": style.REAR}
 _TIME = "time [s]"
 _HEIGHT = 0.72
-"""Height of a panel, in the unit of `Sheet.heights`."""
+"""Height of a panel, as in `Sheet.heights`."""
 _ONE_COLUMN, MOST = 8, 24
 """Largest number of panels in a single column, and in a picture."""
 _TITLES = {

@@ -141,10 +141,7 @@ class Panel:
     field: Field | None = None  # colours behind everything
 
     def draw(self, ax: Axes, parts: int = PARTS) -> float:
-        """Draw the panel without its title; return the height of the legend [pt].
-
-        The legend is above the axes, where it covers no data.
-        """
+        """Draw the panel without its title; return the height of the legend above the axes [pt]."""
         if self.field is not None:
             self.field.draw(ax)
         for line in self.lines:

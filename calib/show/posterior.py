@@ -27,17 +27,9 @@ class _Quantity(NamedTuple):
     draws: Array
     prior: Belief
 
-    @property
-    def scaled(self) -> Array:
-        """Distance of the draws from the prior mean, over the prior's 95 % half width [1] (n,)."""
-        return np.asarray((self.draws - self.prior.mean) / (Z95 * self.prior.sigma))
-
 
 def quantities(table: Table) -> list[_Quantity]:
-    """Return the quantities that the fit draws; ratios of pads and tyres are the first two.
-
-    A logarithm stands for a ratio, as in the priors.
-    """
+    """Return the quantities that the fit draws, first the (ln of the) ratios of pads and tyres."""
     e = ensemble_of(table.vehicle, table.draws)
     pads = CAR.log_pad_ratio._replace(sigma=pad_ratio_prior(table.vehicle, None).sigma)
     compliance = 0.5 * (e.compliance_f + e.compliance_r)
@@ -56,14 +48,13 @@ def quantities(table: Table) -> list[_Quantity]:
 
 
 def forest(table: Table) -> Panel:
-    """Return the panel with prior and posterior of each quantity, the first one on top.
-
-    A text says how much of the width of the prior is left.
-    """
+    """Return the panel with prior and posterior of each quantity, and how much width is left."""
     rows = quantities(table)[::-1]
     lines, texts = list[Line](), []
     for i, quantity in enumerate(rows):
-        low, middle, high = np.quantile(quantity.scaled, [0.025, 0.5, 0.975])
+        prior = quantity.prior
+        scaled = (quantity.draws - prior.mean) / (Z95 * prior.sigma)  # in half widths of the prior
+        low, middle, high = np.quantile(scaled, [0.025, 0.5, 0.975])
         label = "" if i else "posterior, 95 %"
         lines.append(Line([low, high], [i, i], FRONT, label))
         lines.append(Line([middle], [i], dots(FRONT, 4.0)))

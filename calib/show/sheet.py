@@ -141,10 +141,7 @@ def is_picture(data: bytes) -> bool:
 
 
 def render(figure: Figure, ending: str, text: bool = False) -> bytes:
-    """Return a figure as the bytes of a file with an ``ending`` of `ENDINGS`.
-
-    An SVG whose letters are ``text`` has half the size, and the font of the machine that shows it.
-    """
+    """Return a figure as a file with an ending of `ENDINGS`; letters of an SVG can be ``text``."""
     with styled(outlines=not text):
         buffer = io.BytesIO()
         figure.savefig(buffer, format=ending[1:], metadata=_METADATA[ending])

@@ -118,10 +118,7 @@ def of_estimate(estimate: Estimate) -> Sheet:
 
 
 def of_validation(result: Validation, name: str = "", vehicle: Vehicle | None = None) -> Sheet:
-    """Return the sheet of a stop that was judged with the table ``name``.
-
-    The pads before the stop are those of ``vehicle``, or those of the ramp without it.
-    """
+    """Return the sheet of a stop judged with the table ``name``; ``vehicle`` as in `_stop_of`."""
     stop, table = _stop_of(result.estimate, vehicle), result.estimate.table
     titles = warned(warning.title for warning in result.all_warnings)
     note = f"Table {name or table.name}, digest {table.digest[:16]}.{titles}"
@@ -274,10 +271,7 @@ def _force_panel(stop: _Stop) -> Panel:
 
 
 def _slip_panel(stop: _Stop) -> Panel:
-    """Return the panel of eta - 1, and of the slip of the axles if v is known.
-
-    Its y axis leaves out the lowest and the highest 0.5 % of the valid values.
-    """
+    """Return the panel of eta - 1, and of the slip of the axles if v is known."""
     names = [f"{axle} slip" for axle in AXLE_NAMES.values()]
     curves = list(zip(names, stop.slips or (), _STROKES.values(), strict=False))
     curves.append(("\u03b7 - 1", np.asarray(stop.columns["eta"]) - 1.0, style.IDENTIFIED))
@@ -286,6 +280,7 @@ def _slip_panel(stop: _Stop) -> Panel:
         for name, values, look in curves
     ]
     samples = stop.valid if stop.valid.any() else stop.in_picture
+    # a y axis without the lowest and the highest 0.5 % of the valid values
     ends = [np.quantile(np.asarray(line.y)[samples], [0.005, 0.995]) for line in lines]
     panel = _panel(stop, ("slip", "Slip", f"slip, {style.ETA}"), lines)
     return replace(panel, ylim=style.axis_ends(np.zeros(1), *ends))

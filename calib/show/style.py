@@ -69,10 +69,7 @@ def dots(stroke: Stroke, size: float, marker: str = "o", **more: Any) -> Stroke:
 
 
 def pale(colour: str) -> str:
-    """Return a ``colour`` #RRGGBB mixed with white, for the band of a line.
-
-    Mixed and not transparent, since transparent bands that overlap look grey.
-    """
+    """Return a ``colour`` #RRGGBB mixed with white; transparent bands that overlap look grey."""
     channels = (int(colour[i : i + 2], 16) for i in (1, 3, 5))  # red, green, blue: 0 to 255
     return "#" + "".join(f"{255 - round(_BAND * (255 - channel)):02X}" for channel in channels)
 
@@ -87,10 +84,7 @@ def _settings() -> "RcParams":
 
 @contextmanager
 def styled(outlines: bool = True) -> Iterator[None]:
-    """Apply the style within a context, in which figures are drawn and saved.
-
-    Letters of an SVG are ``outlines``, which look the same on every machine, or else text.
-    """
+    """Apply the style while figures are drawn and saved; letters of an SVG are outlines or text."""
     import matplotlib
 
     with matplotlib.rc_context():
@@ -156,9 +150,6 @@ def names_below(names: Sequence[str]) -> list[str]:
 
 
 def as_text(name: str) -> str:
-    """Return a name in ASCII, with question marks for other letters.
-
-    A space goes before an underscore, since matplotlib hides a label that begins with one.
-    """
+    """Return a name in ASCII, with question marks for other letters."""
     plain = "".join(c if c.isascii() and c.isprintable() else "?" for c in name)
-    return f" {plain}" if plain.startswith("_") else plain
+    return f" {plain}" if plain.startswith("_") else plain  # matplotlib hides a label like _name

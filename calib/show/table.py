@@ -51,10 +51,7 @@ def _note(table: Table, has_points: bool) -> str:
 def _curve(
     x: Array, y: Array, flag: Array, stroke: Stroke, label: str, band: tuple[Array, Array]
 ) -> list[Line]:
-    """Return a curve of a table (n,) with its band, dashed where no ramp measured it.
-
-    ``flag`` (n,) is `MEASURED` at measured points.
-    """
+    """Return a curve of a table (n,) with its band; dashed where its ``flag`` is not `MEASURED`."""
     thin: Stroke = {**stroke, "linestyle": style.DASHED, "linewidth": 0.9}
     measured = np.where(flag == MEASURED, y, np.nan)
     thick: Stroke = {**stroke, "linestyle": "-", "linewidth": 1.6}

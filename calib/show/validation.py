@@ -47,16 +47,12 @@ _MEANS = "Means over the valid samples with 95 % intervals; an ECU has no speed 
 
 @dataclass(frozen=True)
 class Validated:
-    """A stored table, and the ``results`` of judging it on logs.
-
-    ``how`` is the precision of the export that was judged; None for the table in full. ``files``
-    are other inputs by their roles.
-    """
+    """A stored table, and the ``results`` of judging it on logs."""
 
     stored: Stored
     results: Sequence[Validation]
-    how: Precision | None = None
-    files: Mapping[str, Path] = field(default_factory=dict)
+    how: Precision | None = None  # precision of the export that was judged; None for full
+    files: Mapping[str, Path] = field(default_factory=dict)  # other inputs by their roles
 
 
 def validation_facts(judged: Validated) -> Facts:
@@ -116,13 +112,10 @@ def _rows(judged: Validated, results: Sequence[Validation], proof: str) -> list[
 
 
 def _outcome(stored: Stored, results: list[Validation]) -> str:
-    """Return on how many stops the table holds, and the largest error of the torques.
-
-    Of a single stop also return the torques, and the change of the pads since the ramp.
-    """
+    """Return on how many stops the table holds, and the largest error of the torques."""
     passed, stops = sum(result.passed for result in results), len(results)
     texts = [f"{stored.id} holds on {passed} of {counted(stops, 'stop')}"]
-    if stops == 1:
+    if stops == 1:  # its torques, and below the change of its pads since the ramp
         texts.append(torque.in_words(torque.ecu_means(results[0])))
     compared = [errors for errors in map(torque.errors, results) if errors.values]
     if compared:

@@ -42,22 +42,16 @@ def stopped(sedan, transition):
 
 @pytest.fixture(scope="session")
 def simulated() -> Sheet:
-    """The paper's Section IV: the estimator is told 0.5 and 0.6 where the pads are 0.4."""
-    found = fit(
-        read_vehicle(SIMULATION / "vehicle.toml"), [read_log(SIMULATION / "ramp_noisy.parquet")]
-    )
-    wrong = read_vehicle(SIMULATION / "vehicle_wrong_pads.toml")
-    run = read_log(SIMULATION / "stop_noisy.parquet")
-    result = validate_one(found, run, wrong, DEFAULTS)
+    """The paper's Section IV: the pads are 0.4, the vehicle file says 0.5 and 0.6."""
+    right, wrong = (read_vehicle(SIMULATION / f"vehicle{x}.toml") for x in ("", "_wrong_pads"))
+    simulated_ramp, run = (read_log(SIMULATION / f"{x}_noisy.parquet") for x in ("ramp", "stop"))
+    result = validate_one(fit(right, [simulated_ramp]), run, wrong, DEFAULTS)
     return stop.of_validation(result, "sedan@1", wrong)
 
 
-SHEETS = ("table", "ramp", "stop", "simulation", "log")
-
-
-@pytest.fixture(scope="session", params=SHEETS)
+@pytest.fixture(scope="session", params=("table", "ramp", "stop", "simulation", "log"))
 def sheet(request, sedan, ramp, transition):
-    """One sheet of every family."""
+    """One sheet of every kind."""
     made = made_table()
     return {
         "table": lambda: table.table_sheet(made, "sedan@1"),

@@ -18,20 +18,6 @@ def named():
     return named_drag()
 
 
-def tables(found):
-    """Rows of all tables by the first two words of their captions."""
-
-    def walk(part):
-        yield from part.tables
-        for inner in part.parts:
-            yield from walk(inner)
-
-    return {
-        " ".join(table.caption.split()[:2]): list(table.rows)
-        for table in walk(diagnosis_facts(found))
-    }
-
-
 def within(found):
     return replace(found, gap=replace(found.gap, squares=0.01 * found.gap.squares))
 
@@ -69,18 +55,16 @@ def test_a_name_is_good_only_if_the_hold_outs_say_so(named, change, expected, mo
 
 def test_a_named_cause_has_its_numbers_and_its_card(named):
     told = diagnosis_facts(named)
-    gap = dict(told.rows)["gap"]
-    numbers = [x for x in gap.replace(",", "").split() if x[0].isdigit()]
+    numbers = [x for x in dict(told.rows)["gap"].replace(",", "").split() if x[0].isdigit()]
     assert numbers == ["6.7", "3.7", "45.7", "1"]
-    effect, *_ = told.parts
+    effect, _, gap, base = told.parts
     assert effect.title == "Aerodynamic drag"
     assert dict(effect.rows)["Cause"] == CATALOGUE["aerodynamic_drag"].card.cause
-    gap = tables(named)
-    log, noise = gap["By log"]
+    log, noise = gap.tables[0].rows
     assert log[:3] == (f"1 {MARKUP}", "6.7 to 3.7", "0.5 to 0.5")
     assert log[-1] == "4.0 to 8.0"
     assert (noise[2], noise[-1]) == ("0.0625 m/s^2", "0.0625 m/s")
-    assert gap["Base parameters"][1][3] == ""  # a vehicle file says nothing of the tyres
+    assert base.tables[0].rows[1][3] == ""  # a vehicle file says nothing of the tyres
 
 
 def test_an_unknown_cause_is_described_by_its_term(named):

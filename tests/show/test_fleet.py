@@ -1,14 +1,11 @@
-import json
-
 import numpy as np
 import pyarrow as pa
 import pytest
 
 from calib.line.fleet.results import open_fleet
-from calib.line.fleet.summary import document, summarise
+from calib.line.fleet.summary import summarise
 from calib.show.fleet import fleet_facts, metric_sheet, window
 from calib.show.sheet import render
-from cli.console import plain
 from tests.support.fleet_results import results
 from tests.support.plot_lines import labels, line, panel
 
@@ -40,16 +37,6 @@ def test_small_fleets_are_drawn_and_names_as_they_are(tmp_path, n):
         assert n >= 10 or (low <= look.values.min() and look.values.max() <= high)
         assert render(metric_sheet(few, look).overview(), ".png").startswith(b"\x89PNG")
     assert "a$b/c$" in [metric_sheet(few, look).panels[0].title for look in few.metrics]
-
-
-def test_the_document_is_json(found):
-    told = json.loads(json.dumps(plain(document(found)), allow_nan=False))
-    assert told["status"] == {"passed": 397, "error": 3}
-    pads, worst = told["figures"]["pad_friction_f"], told["outliers"][0]
-    assert (worst["log"], worst["figure"]) == ("line/car134.csv", "pad_friction_f")
-    assert pads["quantiles"]["95"] < worst["value"]
-    assert worst["p"] < 1e-4
-    assert pads["outliers"] >= 1
 
 
 def test_a_fleet_is_green_only_where_it_was_judged(tmp_path):
