@@ -41,7 +41,6 @@ class Answer:
 
 
 def _switch(text: str, *flags: str) -> Any:
-    """Return the annotation of an option without a value."""
     return Annotated[bool, option(text, None, *flags)]
 
 
@@ -141,7 +140,7 @@ class _Declaration:
                     values[name] = extra.built_in
 
     def _remember_inputs(self, values: dict[str, Any]) -> None:
-        """Remember the files to read, which no output may replace."""
+        """Remember the files to read: no output may replace them."""
         for name, info in self._infos.items():
             words = values[name] if isinstance(values[name], list) else [values[name]]
             files = [word for word in words if isinstance(word, Path)]

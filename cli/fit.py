@@ -29,14 +29,9 @@ def fit(
     model: KnownModel,
     effect: OwnEffects,
     mass: Mass,
-    bench: "RollerBench | None" = option(
-        "Brake forces of the same pads on a roller brake tester.", "B.toml", make=_BENCH
-    ),
+    bench: "RollerBench | None" = option("Forces on a roller tester.", "B.toml", make=_BENCH),
     tyre: "tuple[TyreFile, ...]" = option(
-        "Tyre property file; if typed twice, of front and rear.",
-        "T.tir",
-        typed=list[Path],
-        make=_TYRES,
+        "Tyre property file; twice: front, rear.", "T.tir", typed=list[Path], make=_TYRES
     ),
     plan: "PlannedRuns | None" = option("Plan to compare the result with.", "P.json", make=_PLAN),
     fleet_prior: bool = option("Take half of the prior from released cars of this model."),

@@ -26,7 +26,7 @@ def check(logs: list[Path] = argument("Logs to check.", "LOG..."), *, channel_ma
     from calib.plausibility.check import to_dict
     from calib.show.check import check_facts
 
-    findings, failed = [], []
+    findings, failed = [], []  # failed: each log that cannot be read, with its error
     with progress() as step:
         for i, path in enumerate(logs):
             step(f"reading {path.name}", i, len(logs))

@@ -14,10 +14,7 @@ if TYPE_CHECKING:
 def read_all(
     paths: Sequence[Path], channel_map: "ChannelMap | None", step: Step, more: int = 0
 ) -> "list[Log]":
-    """Read logs one by one, and show progress; ``more`` is the number of steps after the logs.
-
-    Raises LogError for the first log that cannot be used.
-    """
+    """Read logs, and show the progress of a task that has ``more`` steps after them."""
     runs = []
     for i, path in enumerate(paths):
         step(f"reading {path.name}", i, len(paths) + more)

@@ -12,16 +12,12 @@ from contextvars import copy_context
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from calib.base.names import VERSION
 from cli.command import FAILED, Answer, command
 from cli.console import json_text, progress, say
 from cli.options import option
 from cli.outputs import check_folder, write_file, write_folder
-
-if TYPE_CHECKING:
-    from calib.help.demo import Ran, Step
 
 DOCUMENT, REPORT = "qualification.json", "qualification.html"
 
@@ -30,9 +26,7 @@ DOCUMENT, REPORT = "qualification.json", "qualification.html"
 def qualify(
     *,
     store: Path | None = option("Folder of the tables, else the usual one.", "DIR"),
-    out: Path | None = option(
-        f"Try the program; write {DOCUMENT} and {REPORT}.", "DIR", writes="folder"
-    ),
+    out: Path | None = option("Try the program; write each check here.", "DIR", writes="folder"),
 ) -> Answer:
     """Say whether the program works on this machine.
 
@@ -51,7 +45,6 @@ def qualify(
 
 
 def _qualified(out: Path) -> Answer:
-    """Compare results of the program with known truths, and write the checks into ``out``."""
     from calib.base.plain import counted
     from calib.help.qualify import SUITE, qualification_facts
     from calib.help.qualify import qualify as run_checks
@@ -69,8 +62,7 @@ def _qualified(out: Path) -> Answer:
 
 @command("brake-cal demo", "brake-cal demo --out somewhere")
 def demo(
-    *,
-    out: Path = option("Folder.", "DIR", writes="folder", built_in=Path("brake-cal-demo")),
+    *, out: Path = option("Folder.", "DIR", writes="folder", built_in=Path("brake-cal-demo"))
 ) -> Answer:
     """Try the program on the sample logs, in about half a minute.
 
@@ -78,7 +70,7 @@ def demo(
     page links the pages that they wrote and the figures of the paper. Exit code 1 if a command gave
     another answer than expected.
     """
-    from calib.help.demo import INDEX, STEPS, demo_facts
+    from calib.help.demo import INDEX, STEPS, Ran, demo_facts
     from calib.help.samples import sample_logs
     from calib.show.html import page_of
 
@@ -87,7 +79,8 @@ def demo(
     results = {}
     with progress(f"running {len(STEPS)} commands in {out}", len(STEPS)) as advance:
         for step in STEPS:
-            result = results[step] = _run(out, step)
+            answer, code = _run(out, step.line)
+            result = results[step] = Ran(answer, code == 0 and step.expected in answer)
             if not step.figure or not result.passed:
                 failed = "" if result.passed else "FAILED: "
                 say(f"\n{step.purpose}\n  {step.line}\n  {failed}{result.answer}")
@@ -100,23 +93,22 @@ def demo(
     return Answer(document, facts, FAILED if index.verdict == "failed" else 0)
 
 
-def _run(folder: Path, step: "Step") -> "Ran":
-    """Run the command of a step as a shell in ``folder`` would.
+def _run(folder: Path, command_line: str) -> tuple[str, int]:
+    """Run a command as a shell in ``folder`` would; return its answer and its exit code.
 
     The answer is the first printed line; of `plot`, it is the result or title of the picture.
     """
     from calib.base.names import SETTINGS_VARIABLE
-    from calib.help.demo import Ran
     from cli.main import main
 
     environment, argv = dict(os.environ), sys.argv
     os.environ[SETTINGS_VARIABLE] = ""  # the settings of a project around the folder do not count
     os.environ.pop("COLUMNS", None)  # lines stay whole
     out, err, code = io.StringIO(), io.StringIO(), 0
-    is_plot = step.line.startswith("brake-cal plot ")
+    is_plot = command_line.startswith("brake-cal plot ")
     with chdir(folder), redirect_stdout(out), redirect_stderr(err):
         sys.argv = []
-        for word in shlex.split(f"{step.line} {'--json' if is_plot else '-q'}"):
+        for word in shlex.split(f"{command_line} {'--json' if is_plot else '-q'}"):
             sys.argv += sorted(glob.glob(word)) or [word]
         try:
             copy_context().run(main)
@@ -128,8 +120,6 @@ def _run(folder: Path, step: "Step") -> "Ran":
             os.environ.update(environment)
     if is_plot and code == 0:
         (sheet,) = json.loads(out.getvalue())["sheets"]
-        answer = sheet["result"] or sheet["title"]
-    else:
-        lines = (out.getvalue() or err.getvalue()).strip().splitlines()
-        answer = lines[0] if lines else ""
-    return Ran(answer, code == 0 and step.expected in answer)
+        return sheet["result"] or sheet["title"], code
+    lines = (out.getvalue() or err.getvalue()).strip().splitlines()
+    return lines[0] if lines else "", code

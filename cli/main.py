@@ -4,7 +4,6 @@ import gc
 import os
 import signal
 import sys
-from difflib import get_close_matches
 from importlib import import_module
 from itertools import takewhile
 from typing import Annotated, Any
@@ -84,7 +83,6 @@ class Commands(Group):
 
 
 def _load(name: str) -> Any:
-    """Import a command or a group."""
     module, _, attribute = _PLACES[name].partition(":")
     declared = getattr(import_module(f"cli.{module}"), attribute)
     app = declared
@@ -206,21 +204,22 @@ def _failure(error: Any) -> BrakeCalError:
 
 def _usage(error: Any) -> UsageError:
     """Return an error of typer on the command line as an error of the library."""
-    name, text = None, ""
+    where, meaning = getattr(error, "param_hint", None), ""
     parameter: Any = getattr(error, "param", None)
     if parameter:
-        text = parameter.help[:1].lower() + parameter.help[1:].removesuffix(".")
+        meaning = parameter.help[:1].lower() + parameter.help[1:].removesuffix(".")
         name = parameter.metavar
         if parameter.param_type_name == "option":
-            name, text = parameter.opts[0], f"{parameter.metavar} ({text})"
-    where = getattr(error, "param_hint", None) or name
+            name, meaning = parameter.opts[0], f"{name} ({meaning})"
+        where = where or name
     problem, expected = error.message.removesuffix("."), ""
     if hasattr(error, "param_type"):  # typer's MissingParameter
-        problem, expected = "missing", text
+        problem, expected = "missing", meaning
     elif hasattr(error, "possibilities"):  # typer's NoSuchOption
-        problem = f"unknown option {error.option_name}"
-        similar = get_close_matches(error.option_name, error.possibilities or [], 1, _LIKE)
-        problem += f"; did you mean {similar[0]}?" if similar else ""
+        from calib.base.toml import did_you_mean
+
+        hint = did_you_mean(error.option_name, error.possibilities or [])
+        problem = f"unknown option {error.option_name}; {hint}".removesuffix("; ")
     for phrase, replacement in _PHRASES.items():
         problem = problem.replace(phrase, replacement)
     command = error.ctx.command_path if error.ctx else "brake-cal"
@@ -237,8 +236,6 @@ _PHRASES = {
     "Input should be a valid number, unable to parse string as a number": "no number",
 }
 """Phrases of typer, and what this program says instead."""
-_LIKE = 0.75
-"""Least similarity of a suggested option; two letters exchanged give 0.8 to 0.95."""
 
 
 if __name__ == "__main__":

@@ -13,15 +13,7 @@ from calib.base.errors import printable
 from calib.line.fleet.rows import Command, Status
 from cli import options
 from cli.command import FAILED, UNREADABLE, Answer, command
-from cli.console import (
-    STOP_SIGNALS,
-    json_text,
-    print_error,
-    progress,
-    say,
-    this_run,
-    usage_error,
-)
+from cli.console import STOP_SIGNALS, json_text, print_error, progress, say, this_run, usage_error
 from cli.options import argument, option
 from cli.outputs import check_folder, write_folder, writing
 
@@ -32,8 +24,8 @@ if TYPE_CHECKING:
     from calib.line.fleet.rows import Row
     from calib.line.fleet.work import Job
 
-_NAMES = f"{__name__}:_COMMANDS"
-_COMMANDS = tuple(command.value for command in Command)
+COMMANDS = tuple(command.value for command in Command)
+_NAMES = "cli.many:COMMANDS"
 _COMMAND = argument("fit, validate or check.", "COMMAND", typed=str, names=_NAMES, make=Command)
 _CommandArgument = Annotated[Command, _COMMAND]
 

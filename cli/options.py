@@ -74,7 +74,7 @@ def _declared(
 ) -> Any:
     """Return an option or argument of typer with its `Extra` as ``extra``."""
     if names:
-        more["autocompletion"] = lambda incomplete: _names(names)
+        more["autocompletion"] = lambda incomplete: names_at(names)
     extra = {field.name: more.pop(field.name) for field in fields(Extra) if field.name in more}
     info = constructor(help=text, metavar=metavar, **more)
     conversion = partial(_converted, make, names) if make or names else None
@@ -85,9 +85,9 @@ def _declared(
 def _converted(make: Make | None, names: str, value: Any) -> Any:
     """Convert a typed value. Refuses a value that is not one of the known ``names``."""
     if names and isinstance(value, list):
-        value = [require_known(name, _names(names)) for name in value]
+        value = [require_known(name, names_at(names)) for name in value]
     elif names:
-        value = require_known(value, _names(names))
+        value = require_known(value, names_at(names))
     if make is None:
         return value
     convert = _imported(make) if isinstance(make, str) else make
@@ -99,7 +99,7 @@ def _imported(place: str) -> Any:
     return getattr(import_module(module), name)
 
 
-def _names(place: str) -> list[str]:
+def names_at(place: str) -> list[str]:
     """Return the names at "module:NAME", where an iterable or a function that returns one is."""
     names = _imported(place)
     return [str(name) for name in (names() if callable(names) else names)]
@@ -207,12 +207,12 @@ Map = Annotated["ChannelMap | None", channel_map(setting="map")]
 _MASS = 'Mass of the car in these logs, such as "1650 kg", if not that of the vehicle file.'
 Mass = Annotated["float | None", option(_MASS, "MASS", typed=str | None, make=partial(in_si, "kg"))]
 _READ_EFFECTS = "calib.car.effects.effect_file:read_own_effects"
-EFFECT = (
+_EFFECT = (
     "Add an effect of your own (`brake-cal manual own_effects`); may be repeated. The file is "
     "executed as Python: give only files that you trust."
 )
 OwnEffects = Annotated[
-    "tuple[OwnEffect, ...]", option(EFFECT, "FILE.py", typed=list[Path], make=_READ_EFFECTS)
+    "tuple[OwnEffect, ...]", option(_EFFECT, "FILE.py", typed=list[Path], make=_READ_EFFECTS)
 ]
 StopLimits = Annotated[
     "tuple[Limit, ...]", limits("Limits that decide pass or fail.", LIMITS_OF_STOPS)
@@ -223,19 +223,19 @@ KnownModel = Annotated[
 Workers = Annotated[
     int | None, option("Number of processes, else one for each core.", "N", min=1, max=512)
 ]
-BY = "Name of who decides, else that of the settings, or the user of this computer."
-By = Annotated[str | None, option(BY, "NAME", setting="by")]
+_BY = "Name of who decides, else that of the settings, or the user of this computer."
+By = Annotated[str | None, option(_BY, "NAME", setting="by")]
 Reason = Annotated[str, option("Reason, for the journal.", "TEXT", make=words)]
 TABLE = "Name, name@version or path of a version."
 Table = Annotated[str, argument(TABLE, "TABLE")]
 Version = Annotated[str, argument("Version: name@version.", "TABLE@N", make=_version)]
-KEY = "Public key: its file, or its text."
-PublicKey = Annotated[str | None, option(KEY, "PUBLIC", setting="keys.public")]
+_KEY = "Public key: its file, or its text."
+PublicKey = Annotated[str | None, option(_KEY, "PUBLIC", setting="keys.public")]
 Required = Annotated[
     bool, option("Refuse a table without a signature that holds.", setting="require_signed")
 ]
 SignedBy = Annotated[
     str | None,
-    option(f"{KEY} With --require-signed.", "PUBLIC", setting="keys.public",
+    option(f"{_KEY} With --require-signed.", "PUBLIC", setting="keys.public",
            when=lambda values: bool(values["require_signed"])),
 ]  # fmt: skip

@@ -16,8 +16,7 @@ from calib.base.errors import AnswerError
 from cli.console import say, this_run, usage_error
 
 OUT = "--out"
-FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
-"""Errors of the disk: it is full, over its quota, the file is too large, or the device fails."""
+FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)  # the last: the device fails
 PAGES = (".html", ".htm")
 EITHER = "either"
 """Kind of an output that is a file or a folder; another option says which."""
@@ -75,10 +74,7 @@ def _is_sealed(data: bytes) -> bool:
 
 
 def check_folder(out: Path | None, names: Iterable[str]) -> None:
-    """Refuse a folder that is a file, or in which one of the ``names`` is an input or a folder.
-
-    ``names`` are those of the files that the command will write.
-    """
+    """Refuse a folder in which a file of ``names`` cannot be written, or is an input."""
     from calib.base.write import refuse_obstacles
 
     if out is None:

@@ -63,8 +63,7 @@ def plot(
         say(f"{sheet.title}: {', '.join(sheet.names)} (one alone with --figure NAME)")
     keys = ("kind", "name", "title", "result", "note")
     documents = [{key: getattr(sheet, key) for key in keys} for sheet in drawn]
-    for document, sheet in zip(documents, drawn, strict=True):
-        document["figures"] = sheet.names
+    documents = [x | {"figures": sheet.names} for x, sheet in zip(documents, drawn, strict=True)]
     return Answer({"files": files, "sheets": documents}, "\n".join(map(str, files)))
 
 

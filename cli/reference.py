@@ -1,14 +1,10 @@
 """`brake-cal effects`, `schema`, `settings` and `manual`: look something up."""
 
-from typing import TYPE_CHECKING
-
 from cli.command import Answer, command
 from cli.console import PageText, print_json, say
-from cli.options import OwnEffects, argument, require_known
+from cli.options import OwnEffects, argument, names_at, require_known
 
-if TYPE_CHECKING:
-    from calib.car.effects.effect import Effect
-
+_EFFECTS = "calib.car.effects.catalogue:CATALOGUE"
 _KINDS = "calib.help.documents:kinds"
 
 
@@ -18,7 +14,7 @@ _KINDS = "calib.help.documents:kinds"
 )
 def effects(
     name: str | None = argument(
-        "Effect, else all.", "NAME", autocompletion=lambda: [*_catalogue()]
+        "Effect, else all.", "NAME", autocompletion=lambda: names_at(_EFFECTS)
     ),
     *,
     effect: OwnEffects,
@@ -27,20 +23,15 @@ def effects(
 
     NAME prints the card of one effect. --effect checks a file of your own.
     """
+    from calib.car.effects.catalogue import CATALOGUE
     from calib.show.vehicle import card, cards
 
-    catalogue = _catalogue() | {added.name: added.effect for added in effect}
+    catalogue = dict(CATALOGUE) | {added.name: added.effect for added in effect}
     if name is None:
         all_cards = [known.card for known in catalogue.values()]
         return Answer({"effects": all_cards}, cards(all_cards))
     chosen = catalogue[require_known(name, catalogue, "effect ", "NAME")].card
     return Answer({"effects": [chosen]}, card(chosen))
-
-
-def _catalogue() -> "dict[str, Effect]":
-    from calib.car.effects.catalogue import CATALOGUE
-
-    return dict(CATALOGUE)
 
 
 @command("brake-cal schema vehicle", "brake-cal schema fit-json")
@@ -112,7 +103,7 @@ def _topics() -> list[str]:
 @command("brake-cal manual ramp", "brake-cal manual a_x_scale")
 def manual(
     topic: str | None = argument(
-        "Page or code, else the list of the pages.", "PAGE|CODE", names=f"{__name__}:_topics"
+        "Page or code, else the list of the pages.", "PAGE|CODE", names="cli.reference:_topics"
     ),
 ) -> Answer:
     """Show the pages of the manual, one of them, or what a code means.

@@ -57,7 +57,6 @@ def sign(
 
 
 def _new_pair(table: str | None, secret: Path, public: Path, no_password: bool) -> Answer:
-    """Make a pair of keys with the files ``secret`` and ``public``."""
     from calib.store.minisign import generate
 
     if table is not None:

@@ -40,13 +40,9 @@ def simulate(
     ),
     speed: float | None = _quantity("m/s", 'First speed of the manoeuvre, else "120 km/h".'),
     pressure: float | None = _quantity("Pa", 'Pressure of the manoeuvre, such as "60 bar".'),
-    duration: float | None = _quantity(
-        "s", 'Time of the rise of a ramp, or at pressure, else "8 s".'
-    ),
+    duration: float | None = _quantity("s", 'Time at pressure or of a ramp, else "8 s".'),
     rate: float | None = option(f"Samples per second of the manoeuvre, else {RATE:g}."),
-    noise: int | None = option(
-        "Add the noise of usual sensors, drawn by this seed.", "SEED", min=0
-    ),
+    noise: int | None = option("Add usual sensor noise, drawn by this seed.", "SEED", min=0),
     channel_map: "ChannelMap | None" = options.channel_map(
         setting="map", when=lambda values: values["log"] is not None
     ),

@@ -18,8 +18,7 @@ if TYPE_CHECKING:
     from calib.estimation.limits import Limit
 
 _ID = "calib.line.station.station:identifier"
-_METRICS = "calib.line.gauge.study:METRICS"
-NAME = "Name of the station."
+_METRICS, _FORMATS = "calib.line.gauge.study:METRICS", "calib.exports.export:ENDINGS"
 GAUGE = "repeatability.json"
 
 
@@ -29,7 +28,7 @@ class Identifiers:
 
     serial: Annotated[str | None, option("Serial number.", "S", make=_ID)]
     vin: Annotated[str | None, option("Vehicle identification.", "V", make=_ID)]
-    station: Annotated[str | None, option(NAME, "NAME", setting="station.name", make=_ID)]
+    station: Annotated[str | None, option("Station.", "NAME", setting="station.name", make=_ID)]
     rxswin: Annotated[str | None, option("Software identification, UN R156.", "R", make=_ID)]
 
 
@@ -57,10 +56,7 @@ def station(
     identity: Identifiers,
     mass: options.Mass,
     export: list[str] = option(
-        "Format of an export of the released table; repeatable.",
-        "F",
-        names="calib.exports.export:ENDINGS",
-        setting="station.export",
+        "Format to export; repeatable.", "F", names=_FORMATS, setting="station.export"
     ),
     store: options.Tables,
     channel_map: options.Map,
@@ -171,9 +167,7 @@ def limits(
 )
 def repeatability(
     *,
-    vehicle: Path | None = option(
-        "Vehicle file of logs that have none in the plan.", "V.toml", setting="vehicle"
-    ),
+    vehicle: Path | None = option("Vehicle, if the plan has none.", "V.toml", setting="vehicle"),
     plan: Path = option("CSV with columns log,car,station,road,vehicle.", "P.csv"),
     metric: list[str] = option("Study only this metric; repeatable.", "NAME", names=_METRICS),
     limits: Path | None = option("File with limits of grr and ndc, and tolerances.", "L.toml"),

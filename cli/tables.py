@@ -25,9 +25,13 @@ def list_(
 ) -> Answer:
     """List every version of every table, or those of a car."""
     from calib.show.store import listed
-    from calib.store.figures import chosen, row_of
+    from calib.store.figures import row_of
 
-    rows = chosen(map(row_of, store.entries(state)), serial=serial, vin=vin)
+    rows = [row_of(entry) for entry in store.entries(state)]
+    if serial is not None:
+        rows = [row for row in rows if row["serial"].lower() == serial.lower()]
+    if vin is not None:
+        rows = [row for row in rows if row["vin"].lower() == vin.lower()]
     missing = "such table" if store.snapshot().names else "table"
     result = listed(rows) if rows else f"{store.folder} holds no {missing}"
     return Answer({"store": store.folder, "tables": rows}, result)

@@ -18,9 +18,7 @@ if TYPE_CHECKING:
     from calib.table.exported import Precision
     from calib.table.table import Table
 
-CODES = ("ecu",)
-"""Values of --as: exported code that can run in place of the estimator."""
-_CODES = f"{__name__}:CODES"
+CODES = ("ecu",)  # values of --as: exported code that can run in place of the estimator
 
 
 @command(
@@ -39,7 +37,9 @@ def validate(
     mass: options.Mass,
     limits: options.StopLimits,
     shape: Shape,
-    code: str | None = option("Run the C code of this export.", "ecu", "--as", names=_CODES),
+    code: str | None = option(
+        "Run the C code of this export.", "ecu", "--as", names="cli.validate:CODES"
+    ),
     out: Path | None = option("Write LOG.parquet and summary.json here.", "DIR", writes="folder"),
     channel_map: options.Map,
     signed: Signed,

@@ -1,6 +1,6 @@
 """Figures of a stored table for people: its use, those of a mean, effects, a row of the list."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -156,9 +156,3 @@ def row_of(entry: StoreEntry) -> ListedVersion:
         row["band_width"] = table.difference.band_width
         row["warnings"] = len(table.warnings)
     return row
-
-
-def chosen(rows: Iterable[ListedVersion], **equal: str | None) -> list[ListedVersion]:
-    """Return the rows whose texts are ``equal``, ignoring case; None matches any text."""
-    wanted = {key: value.lower() for key, value in equal.items() if value is not None}
-    return [row for row in rows if all(row[key].lower() == text for key, text in wanted.items())]

@@ -24,7 +24,7 @@ The shared errors are in the draws of each car, and so in the draws of one more 
 
 import math
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -48,34 +48,24 @@ _PER_CAR = ("log_pad_ratio", "log_pad_level", *_POSITIVE)  # draws with another 
 _SIZE = 2048  # draws for the maps; a table stores TABLE_DRAWS of them
 
 
-class _CurvesOfCars(NamedTuple):
-    """One curve of k cars on a common axis (n,); ``blocks`` and ``flag`` are of their mean."""
-
-    axis: Array
-    values: Array  # (k, n)
-    per_run_variance: Array  # of the errors that differ between runs, (k, n)
-    shared_variance: Array  # of the other errors, (k, n)
-    blocks: Array  # number of blocks of each row, (n,)
-    flag: Array  # as in `DifferenceCurve`, (n,)
-
-
 def mean_curves(tables: Sequence[Table]) -> tuple[dict[str, Any], RandomEffects]:
     """Return the curves of a mean table by name, and the scatter of D."""
-    differences = _on_common_axis(1.0, [table.difference for table in tables])
-    tyres = _on_common_axis(0.0, [table.tyre for table in tables])
-    D_scatter = random_effects(differences.values, differences.per_run_variance)
-    tyre_scatter = random_effects(tyres.values, tyres.per_run_variance)
-    difference = DifferenceCurve(*_columns(differences, D_scatter))
-    tyre = TyreCurve(*_columns(tyres, tyre_scatter))
-    z = [np.interp(differences.axis, table.paper.eta, table.paper.z) for table in tables]
+    columns, D_scatter = _mean_curve(1.0, [table.difference for table in tables])
+    difference = DifferenceCurve(*columns)
+    columns, _ = _mean_curve(0.0, [table.tyre for table in tables])
+    z = [np.interp(difference.eta, table.paper.eta, table.paper.z) for table in tables]
     paper = paper_of(tables[0].vehicle, difference, np.mean(z, axis=0))
-    return {"difference": difference, "paper": paper, "tyre": tyre}, D_scatter
+    return {"difference": difference, "paper": paper, "tyre": TyreCurve(*columns)}, D_scatter
 
 
-def _on_common_axis(
+def _mean_curve(
     start: float, curves: Sequence[DifferenceCurve] | Sequence[TyreCurve]
-) -> _CurvesOfCars:
-    """Interpolate the curve of each car to an axis from ``start`` to the end of the shortest."""
+) -> tuple[tuple[Array, ...], RandomEffects]:
+    """Return the columns of the mean of the curves of k cars, and the scatter between the cars.
+
+    Columns are as in `DifferenceCurve`; the band is that of one more car. The axis has n rows from
+    ``start`` to the end of the shortest curve.
+    """
     cars = [[*vars(curve).values()] for curve in curves]  # seven columns each, the axis first
     end = min(float(columns[0][-1]) for columns in cars)
     axis = np.linspace(start, end, max(columns[0].size for columns in cars))
@@ -83,20 +73,14 @@ def _on_common_axis(
         np.array([np.interp(axis, columns[0], columns[i]) for columns in cars]) for i in range(1, 7)
     )
     variance = ((upper - lower) / (2.0 * Z95)) ** 2
-    per_run_variance, shared_variance = variance * run_share, variance * (1.0 - run_share)
+    scatter = random_effects(values, variance * run_share)
+    of_cars = quantile95(scatter.freedom) * scatter.prediction_sigma  # (n,)
+    of_shared = Z95 * np.sqrt(np.mean(variance * (1.0 - run_share), axis=0))
+    half_width = np.asarray(np.hypot(of_cars, of_shared))
     blocks = np.rint(count.sum(axis=0))
     middle_flag = np.ceil(np.median(flag, axis=0))  # of two middle flags the worse
-    return _CurvesOfCars(axis, values, per_run_variance, shared_variance, blocks, middle_flag)
-
-
-def _columns(curves: _CurvesOfCars, scatter: RandomEffects) -> tuple[Array, ...]:
-    """Return the columns of the mean curve, with the 95 % band of one more car."""
-    of_cars = quantile95(scatter.freedom) * scatter.prediction_sigma
-    of_shared = Z95 * np.sqrt(np.mean(curves.shared_variance, axis=0))
-    half_width = np.asarray(np.hypot(of_cars, of_shared))
-    lower, upper = scatter.mean - half_width, scatter.mean + half_width
-    run_share = np.zeros(curves.axis.size)  # see `DifferenceCurve.own`
-    return curves.axis, scatter.mean, lower, upper, curves.blocks, curves.flag, run_share
+    band = scatter.mean - half_width, scatter.mean + half_width
+    return (axis, scatter.mean, *band, blocks, middle_flag, np.zeros(axis.size)), scatter
 
 
 def mean_pads(tables: Sequence[Table]) -> tuple[dict[str, Any], RandomEffects]:

@@ -143,7 +143,6 @@ def _remarks(parents: Sequence[Stored]) -> tuple[str, ...]:
 
 
 def _end(parent: Stored) -> float:
-    """Return the last eta of the curve D [1]."""
     return float(parent.table.difference.eta[-1])
 
 
@@ -157,15 +156,9 @@ def _flaws_of_tables(parents: Sequence[Stored]) -> Iterator[str]:
         if parent.table.spread is not None:
             yield f"{parent.id} is a mean of cars itself; merge the cars it was made of"
         if parent.table.fleet:
-            yield (
-                f"{parent.id} rests on other cars by its prior, which would count twice; fit it "
-                "without --fleet-prior"
-            )
+            yield f"{parent.id} has a prior from other cars; fit it without --fleet-prior"
         if end - 1.0 < _LEAST_RANGE * (longest - 1.0):
-            yield (
-                f"{parent.id} ends at eta {end:.5f}, less than half of the range of the longest, "
-                f"{longest:.5f}; leave it out"
-            )
+            yield f"{parent.id} ends at eta {end:.5f}, the longest at {longest:.5f}; leave it out"
 
 
 def _flaws_of_pairs(parents: Sequence[Stored]) -> Iterator[str]:
@@ -174,10 +167,8 @@ def _flaws_of_pairs(parents: Sequence[Stored]) -> Iterator[str]:
         for mark in _CAR_MARKS:
             identity = a.table.provenance.identity.get(mark)
             if identity and identity == b.table.provenance.identity.get(mark):
-                yield (
-                    f"{a.id} and {b.id} are of one car ({mark} {identity}), which would count as "
-                    "two; give one of them, or fit its ramps together"
-                )
+                cars = f"{a.id} and {b.id} are of one car ({mark} {identity})"
+                yield f"{cars}; give one of them, or fit its ramps together"
         if a.ramp_digests & b.ramp_digests:
             yield f"{a.id} and {b.id} are made of the same ramp"
         differences = vehicle_differences(a.table, b.table.vehicle)

@@ -201,7 +201,6 @@ def _signed_line(snapshot: Snapshot, signature: Signature, path: Path) -> int:
 
 
 def _record_bytes(stored: Stored) -> bytes:
-    """Return the content of the record file. Raises DamagedTable if it changed since loading."""
     data = read_bounded(stored.path / RECORD, TABLE)
     if sha256(data) != stored.record_digest:
         raise DamagedTable(f"{RECORD}: was changed just now", where=stored.id)

@@ -48,6 +48,9 @@ class StateDecision:
     automatic: bool = False
 
 
+DRAFTED = StateDecision()
+
+
 @dataclass(frozen=True)
 class VersionState:
     """The state of a version, with its last decision. Times are in UTC (ISO 8601)."""
@@ -64,7 +67,7 @@ class VersionState:
 
     @property
     def released(self) -> bool:
-        """Whether the version may be handed out."""
+        """Whether the version may be handed out to an ECU."""
         return self.word == RELEASED
 
     @property
@@ -90,9 +93,9 @@ OUTSIDE = VersionState(reason="outside of its store, whose journal knows its sta
 NOT_STORED = VersionState(reason="not stored", in_store=False)
 
 
-def changes_state(version: str, current: VersionState, decision: StateDecision | None) -> bool:
+def changes_state(version: str, current: VersionState, decision: StateDecision) -> bool:
     """Whether ``decision`` changes the ``current`` state. Raises StoreError if it must not."""
-    if decision is None or decision.state == DRAFT:
+    if decision.state == DRAFT:
         return False
     releases_rejected = current.word == REJECTED and decision.state == RELEASED
     if decision.automatic and (releases_rejected or current.word == WITHDRAWN):

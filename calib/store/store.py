@@ -27,7 +27,7 @@ from calib.store.folders import (
 )
 from calib.store.journal import CHANGED, STORED, Journal, read_journal, write_journal
 from calib.store.snapshot import Snapshot, StoreEntry
-from calib.store.state import StateDecision, changes_state
+from calib.store.state import DRAFTED, StateDecision, changes_state
 from calib.store.version import Stored, read_version, write_version
 from calib.table.compare import inputs_digest
 from calib.table.invariants import violations
@@ -57,7 +57,7 @@ class Store:
     def __repr__(self) -> str:
         return f"Store({str(self.folder)!r})"
 
-    def save(self, table: Table, decision: StateDecision | None = None) -> Stored:
+    def save(self, table: Table, decision: StateDecision = DRAFTED) -> Stored:
         """Write ``table`` as the next version of its name, or return the version that holds it.
 
         Raises StoreError, and stores nothing, for a table that is not sound, a state that may not
@@ -68,7 +68,7 @@ class Store:
             same = snapshot.identical(table)
             if same is not None:
                 return self._with_decision(same, decision, snapshot)
-            return self._with_version(table, decision or StateDecision(), snapshot)
+            return self._with_version(table, decision, snapshot)
 
     def preview(self, table: Table, decision: StateDecision) -> Stored:
         """Return what `save` would return now, and write nothing. Raises as `save`."""
@@ -135,8 +135,8 @@ class Store:
     ) -> tuple[StoreEntry, ...]:
         """Compare the versions of one table, or of all, with digests, invariants and journal.
 
-        Return an entry without its table for each version and each stray. Before, ``examine`` gets
-        the entry with its table, and returns the entry with what it adds.
+        Return an entry without its table for each version and each stray. ``examine`` gets each
+        entry while it has its table, and returns the entry with what it adds.
         """
         with self._unlocked() as snapshot:
             all_names = {*snapshot.names, *names_in(self.folder)}
@@ -171,11 +171,11 @@ class Store:
         try:
             write_version(table, version, path)
             stored = read_version(path, f"{table.name}@{version}")
-            fields = {"digest": stored.digest, "record": stored.record_digest}
-            fields["inputs"] = inputs_digest(table.content()[0])
-            journal = snapshot.journal.added(table.name, version, STORED, decision, **fields)
+            digests = {"digest": stored.digest, "record": stored.record_digest}
+            digests["inputs"] = inputs_digest(table.content()[0])
+            journal = snapshot.journal.added(table.name, version, STORED, decision, **digests)
             write_journal(self.folder, journal)
-        except BaseException:
+        except BaseException:  # also an interrupt
             if version not in read_journal(self.folder).versions(table.name):
                 shutil.rmtree(path, ignore_errors=True)
                 with suppress(OSError):
@@ -187,11 +187,9 @@ class Store:
             sync(final.parent)
         return replace(stored, path=path, state=journal.state(table.name, version))
 
-    def _with_decision(
-        self, stored: Stored, decision: StateDecision | None, snapshot: Snapshot
-    ) -> Stored:
+    def _with_decision(self, stored: Stored, decision: StateDecision, snapshot: Snapshot) -> Stored:
         """Enter a decision in the journal if it changes the state; return the judged version."""
-        if decision is None or not changes_state(stored.id, stored.state, decision):
+        if not changes_state(stored.id, stored.state, decision):
             return stored
         journal = snapshot.journal.added(stored.name, stored.version, CHANGED, decision)
         write_journal(self.folder, journal)
@@ -221,7 +219,6 @@ class Store:
 
 
 def _require_storable(table: Table) -> None:
-    """Raise StoreError for a table with an invalid name or a violated invariant."""
     checked_name(table.name)
     flaws = violations(table)
     if flaws:

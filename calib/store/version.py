@@ -133,7 +133,6 @@ def _read_curve(path: Path, digests: dict[str, str]) -> dict[str, Array]:
 
 
 def _curve_bytes(columns: dict[str, Array]) -> bytes:
-    """Return the Parquet file of a curve's ``columns``, each (n,), by name."""
     doubles = {name: np.asarray(column, np.float64) for name, column in columns.items()}
     units = {name: UNITS.get(name, "1") for name in columns}
     return parquet_of(doubles, units, compression="none", use_dictionary=False)
