@@ -143,7 +143,7 @@ def test_a_report_that_fails_leaves_no_version(station, tmp_path, monkeypatch):
 def test_a_version_taken_in_between_is_not_claimed(station, tmp_path, monkeypatch):
     save = Store.save
 
-    def late(store, table, decision=None):
+    def late(store, table, decision):
         if not (store.folder / table.name).exists():
             other = replace(table.calibration, pad_scale=Value(0.9, 0.01))
             save(store, replace(table, calibration=other))
