@@ -28,7 +28,7 @@ class Truth(NamedTuple):
     """Truth of front and rear axle, (2, n) each."""
 
     pad_friction: Array  # [1], NaN where not known
-    torque: Array  # of one wheel [N m]
+    torque: Array  # mean of the left and the right wheel [N m]
 
 
 def truth_of(e: Estimate) -> Truth | None:
@@ -179,7 +179,7 @@ def baseline_errors(e: Estimate) -> dict[str, tuple[float, float]]:
 def budget(e: Estimate) -> tuple[Parts, Parts] | None:
     """Return the standard deviation of front and of rear pads by cause; None without valid samples.
 
-        ln mu = ln level + lever ln ratio     lever: share of the other axle in the brake force
+        ln mu = ln level + lever ln ratio     lever: brake share of the other axle; rear: negative
 
     Causes of errors of the level: mass and resistance, accelerometer, noise. Causes of errors of
     the ratio: eta, tyres and pads on the ramp, and changes in the stop. The squares add up to the

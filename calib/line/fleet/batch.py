@@ -26,7 +26,6 @@ from calib.logs.read import FORMATS
 
 _CHUNK = {Command.FIT: 2, Command.VALIDATE: 8, Command.CHECK: 8}
 """Largest number of logs in a chunk: so many that the time of the transfer is negligible."""
-
 _CHUNKS_PER_WORKER = 3  # submitted chunks for each worker: one in progress, two waiting
 
 
@@ -90,10 +89,11 @@ class BatchRun:
         }
 
     def work(self, logs: Iterable[tuple[str, str]]) -> None:
-        """Compute all ``logs``, each as (name of its row, path)."""
+        """Compute all ``logs``, each as (name of the log in its row, path)."""
         # of few logs the chunks are small, so that all workers get some
         size = min(self.largest_chunk, 1 + self.total // (8 * self.executor.workers))
-        items = (WorkItem(x, os.path.abspath(path), self.journal.digest(x)) for x, path in logs)
+        digest = self.journal.digest
+        items = (WorkItem(log, os.path.abspath(path), digest(log)) for log, path in logs)
         while chunk := tuple(islice(items, size)):
             self._drain(_CHUNKS_PER_WORKER * self.executor.workers - 1)
             self.pending[self._submit(chunk)] = chunk
@@ -156,7 +156,7 @@ class BatchRun:
 
 
 def _worker_error(future: Future[Rows]) -> BaseException | None:
-    """Return why the worker died; None if it lives. Raises an error of the user's instead."""
+    """Return why the worker died, None if it lives. Raises an error that a user can correct."""
     error = future.exception()
     if isinstance(error, BrakeCalError):
         raise error

@@ -49,16 +49,17 @@ class BatchJournal:
                 self._db.executemany("INSERT INTO settings VALUES (?, ?)", wanted.items())
         elif stored != wanted:
             self.close()
-            keys = [k for k in sorted({*stored, *wanted}) if stored.get(k) != wanted.get(k)]
-            problem = f"holds results of other settings: {', '.join(keys)}"
+            keys = sorted({*stored, *wanted})
+            differing = [key for key in keys if stored.get(key) != wanted.get(key)]
+            problem = f"holds results of other settings: {', '.join(differing)}"
             raise BatchError(problem, where=folder, do=_DO)
 
     def add(self, rows: Iterable[Row]) -> None:
         """Store rows, all or none. A row replaces an earlier row of its log."""
-        values = [
-            (x.log, x.digest, x.status, x.error, json.dumps(x.cells, allow_nan=False), x.lost)
-            for x in rows
-        ]
+        values = []
+        for row in rows:
+            cells = json.dumps(row.cells, allow_nan=False)
+            values.append((row.log, row.digest, row.status, row.error, cells, row.lost))
         with _errors_of_sqlite(self._path), self._db:
             self._db.executemany("INSERT OR REPLACE INTO rows VALUES (?, ?, ?, ?, ?, ?)", values)
 

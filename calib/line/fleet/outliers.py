@@ -52,8 +52,8 @@ def find_outliers(values: Array, least: Sequence[float]) -> OutlierTest:
     from scipy.stats import false_discovery_control
 
     sides: list[tuple[int, Index, Array]] = []  # metric, cars and their distances
-    for metric, (row, step) in enumerate(zip(values, least, strict=True)):
-        sides += [(metric, cars, distance) for cars, distance in _sides(row, step)]
+    for metric, (of_cars, step) in enumerate(zip(values, least, strict=True)):
+        sides += [(metric, cars, distance) for cars, distance in _sides(of_cars, step)]
     p = np.full(values.shape, np.nan)
     weights = _tails([distance for _, _, distance in sides])
     for (metric, cars, distance), weight in zip(sides, weights, strict=True):

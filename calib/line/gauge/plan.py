@@ -66,7 +66,8 @@ def _rows(path: Path, vehicle: Path | None) -> Iterator[PlannedRamp]:
     except (UnicodeDecodeError, csv.Error) as cause:
         raise InputError(f"not a table: {cause}", where=path, expected=_FILE) from cause
     names = {*columns}
-    if not {"log", "car"} <= names <= {*_COLUMNS} or len(names) < len(columns):
+    is_complete, is_known = {"log", "car"} <= names, names <= {*_COLUMNS}
+    if not (is_complete and is_known) or len(names) < len(columns):
         raise InputError(f"columns {', '.join(columns)}", where=path, expected=_FILE)
     for number, row in enumerate(rows, 2):
         if not any(row):

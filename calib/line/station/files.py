@@ -63,7 +63,7 @@ def _stale(out: Path) -> set[str]:
     stale = {*map(export_name, ENDINGS), REFUSED}
     with suppress(OSError, ValueError, KeyError, TypeError, RecursionError):
         names = json.loads(read_bounded(out / DOCUMENT, VALIDATION))["files"]
-        stale |= {x for x in names if isinstance(x, str) and x == Path(x).name}
+        stale |= {name for name in names if isinstance(name, str) and name == Path(name).name}
     return stale - {*_FIXED}
 
 

@@ -39,7 +39,7 @@ def golden_table(store: Store, reference: str) -> Stored:
 
 
 def golden_metrics(table: Table, golden: Table) -> dict[str, float]:
-    """Return the `golden_` metrics that both tables give, in sigma for a table of several cars."""
+    """Return the `golden_` metrics that both tables give, those in sigma by several golden cars."""
     pads, golden_pads = table.calibration, golden.calibration
     metrics = {
         "golden_pads_f": pads.pad_friction_f.value / golden_pads.pad_friction_f.value - 1.0,
@@ -57,7 +57,7 @@ def golden_metrics(table: Table, golden: Table) -> dict[str, float]:
 
 
 def _distance(table: Table, golden: Table, end: float) -> dict[str, float]:
-    """Return the largest difference of D up to eta = ``end``, over D and over its half width."""
+    """Return the largest difference of D up to eta = ``end``, over the peak and over the bands."""
     curves = table.difference, golden.difference
     # both curves are linear between rows, so their difference is largest at a row of one of them
     rows = np.union1d(*(curve.eta for curve in curves))

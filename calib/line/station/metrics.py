@@ -23,7 +23,6 @@ from calib.table.curves import MEASURED
 from calib.table.table import Table
 
 METRICS: dict[str, str] = meanings("car")  # the metrics of a car, with their meanings
-
 _LOW, _HIGH = 0.10, 0.40  # deceleration [1]: too noisy below, nonlinear tyres above
 _WIDEST = 0.05  # half width of the 95 % interval [1] above which a side difference is not known
 _FEWEST = 8  # least number of blocks of 0.2 s for an estimate of the scatter

@@ -111,10 +111,10 @@ class StationOutcome:
     @property
     def logs(self) -> list[tuple[str, str, str]]:
         """Role, name and digest of each log."""
-        fitted = self.table.provenance.logs
         # a tyre file has the role "tyre", and is no log
-        drives = [(x.role, x.name, x.digest) for x in fitted if x.role in ("ramp", "coast")]
-        return [*drives, *((x.role, x.log, x.digest) for x in self.results)]
+        drives = [log for log in self.table.provenance.logs if log.role in ("ramp", "coast")]
+        stops = [(result.role, result.log, result.digest) for result in self.results]
+        return [(log.role, log.name, log.digest) for log in drives] + stops
 
     @property
     def warnings(self) -> tuple[PlausibilityWarning, ...]:
@@ -215,8 +215,8 @@ def _require_roles(table: Table, ramps: Sequence[Log], coasts: Sequence[Log]) ->
 
 def car_warnings(table: Table, results: Sequence[Validation]) -> tuple[PlausibilityWarning, ...]:
     """Return a warning if the brakes of the stops, in the mean, are not those of the ramp."""
-    of_all = [force_over_ramp(table, result) for result in results]
-    ratios = [ratio for ratio in of_all if ratio is not None]
+    of_stops = [force_over_ramp(table, result) for result in results]
+    ratios = [ratio for ratio in of_stops if ratio is not None]
     mean = float(np.mean(np.log(ratios))) if ratios else 0.0
     measured = Measured("level_changed", mean, to_display=math.expm1)
     return rule_warnings(table.vehicle.name, [measured], STATION)
