@@ -79,18 +79,18 @@ def read_whole(path: Path, channel_map: ChannelMap | None = None) -> WholeLog:
             notes.append(f"{column.full_name} was left out: {why}")
             continue
         name, unit, number = column.name, column.unit, 1
-        while name in names:  # try the full name, then the full name with a number
-            name = column.full_name if number == 1 else f"{column.full_name}#{number}"
-            number += 1
         if item := by_index.get(index):
             name, unit, values = item.channel, item.unit, item.mapping.in_unit(values)
+        else:
+            while name in names:  # try the full name, then the full name with a number
+                name = column.full_name if number == 1 else f"{column.full_name}#{number}"
+                number += 1
         names.add(name)
         columns.append(WholeColumn(name, unit, values, source.rates.get(index)))
     if not columns:
         raise LogError("no column holds numbers", where=path, expected="a log")
-    return WholeLog(
-        stem_of(path), str(path), opened.digest, tuple(columns), (*source.notes, *notes)
-    )
+    all_notes = (*source.notes, *notes)
+    return WholeLog(stem_of(path), str(path), opened.digest, tuple(columns), all_notes)
 
 
 def channels_log(log: WholeLog) -> Log:

@@ -62,12 +62,12 @@ def _in_canonical_units(log: Log) -> WholeLog:
 def _to_csv(log: WholeLog) -> bytes:
     text = io.StringIO()
     rows = csv.writer(text, lineterminator="\n")
-    names = [one_line(c.name) for c in log.columns]
-    units = [_unit(name, c.unit) for name, c in zip(names, log.columns, strict=True)]
-    rows.writerow(
-        name if unit is None else f"{name} [{unit}]"
-        for name, unit in zip(names, units, strict=True)
-    )
+    header = []
+    for column in log.columns:
+        name = one_line(column.name)
+        unit = _unit(name, column.unit)
+        header.append(name if unit is None else f"{name} [{unit}]")
+    rows.writerow(header)
     cells = (["" if math.isnan(x) else repr(x) for x in c.values.tolist()] for c in log.columns)
     rows.writerows(zip(*cells, strict=True))
     return text.getvalue().encode()

@@ -79,16 +79,12 @@ def suggest(
     doubtful = {doubt.channel for doubt in search.doubts}
     if clock_and_wheels.ALL_WHEEL_SPEEDS in doubtful:
         doubtful.update(WHEEL_SPEEDS)
+    absent = "no column fits by name, unit and values" if search.clock else _NO_CLOCK
     missing = {}
     for name in REQUIRED:
-        if search.clock is None:
-            why = _NO_CLOCK
-        elif name in unused:
-            why = f"its column: {unused[name]}"
-        else:
-            why = "no column fits by name, unit and values"
         if name not in search.proposals and name not in doubtful:
-            missing[name] = why
+            is_refused = name in unused and search.clock is not None
+            missing[name] = f"its column: {unused[name]}" if is_refused else absent
     return Suggestion(where, proposals, tuple(search.doubts), missing, unused, ignore)
 
 

@@ -43,7 +43,7 @@ def open_csv(data: bytes, where: str, text_format: TextFormat = DETECTED) -> Col
         begin = declared.end()
         text_format = replace(text_format, separator=text_format.separator or declared[1].decode())
     layout = layout_of(data, begin, text_format, where)
-    header, encoding_note = text_of(b"\n".join((layout.names, layout.units, layout.remarks)))
+    header, encoding_note = text_of(layout.header)
     separator = layout.separator
     names, units, remarks = (cells_of(line, separator) for line in header.split("\n"))
     columns = _columns(names, units, remarks, where)

@@ -115,12 +115,10 @@ _FIRST_ROWS = 3  # number of rows with numbers, one below the other, that begin 
 
 @dataclass(frozen=True)
 class Layout:
-    """Format of a table: three lines of its header, empty if missing, and place of its samples."""
+    """Format of a table, its header, and the place of its samples."""
 
     separator: str
-    names: bytes
-    units: bytes
-    remarks: bytes
+    header: bytes  # three lines with names, units and remarks; the last two may be empty
     start: int  # first byte of the first sample
     numbers: list[int]  # indices of the columns of numbers
 
@@ -207,11 +205,11 @@ def _layout(
     # the row above the last row of units has the names, the row below it the remarks
     unit_rows = [i for i in header[1:] if is_unit_row(table[i])]
     top = header.index(unit_rows[-1]) - 1 if unit_rows else 0
-    names, *others = (lines[i] + separator.encode() * (width - len(table[i])) for i in header[top:])
+    padded = [lines[i] + separator.encode() * (width - len(table[i])) for i in header[top:]]
     if not unit_rows:
-        others.insert(0, b"")
-    units, remarks = [*others, b"", b""][:2]
-    return Layout(separator, names, units, remarks, starts[first], numbers)
+        padded.insert(1, b"")
+    three_lines = [*padded, b"", b""][:3]
+    return Layout(separator, b"\n".join(three_lines), starts[first], numbers)
 
 
 def _is_sample(row: Sequence[str], width: int, numbers: Sequence[int]) -> bool:
