@@ -44,7 +44,7 @@ def computed_pressures(
 
 
 def factor_between(channel: Array, other: Array) -> float | None:
-    """Return the c of channel = c * other, both (n,), by least squares; None if one is far off."""
+    """Return c of channel = c * other, both (n,), by least squares; None if a residual is large."""
     channel_range = float(np.ptp(channel))
     if channel_range == 0.0 or not np.isfinite(other).all() or np.ptp(other) == 0.0:
         return None
