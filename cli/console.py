@@ -171,7 +171,7 @@ Step = Callable[..., None]
 
 @contextmanager
 def progress(task: str = "", total: int | None = None) -> Iterator[Step]:
-    """Show the progress of a task, on a terminal as a bar. Yields the `Step` to call."""
+    """Show the progress of a task, on a terminal as a bar. Yield the `Step` to call."""
     console = _console(sys.stderr)
     if this_run().quiet or not (sys.stderr.isatty() and console.is_interactive):
         if task:

@@ -145,7 +145,7 @@ def watch(
 
     A line is printed per log, after its row is on the disk. A watch that was stopped continues
     where it was, and a log that changes is processed again. Ctrl-C or SIGTERM stop it after the
-    logs that it has begun; a second one stops it at once.
+    logs that it has begun; a second signal stops it at once.
     """
     from calib.base.processes import cores
     from calib.line.fleet.results import NAME
@@ -175,17 +175,17 @@ def _stop_event() -> Iterator[Event]:
     stop = Event()
     usual_handlers = {number: signal.getsignal(number) for number in STOP_SIGNALS}
 
-    def end(*_signal: object) -> None:
+    def set_and_restore(*_signal: object) -> None:
         stop.set()
         for number, handler in usual_handlers.items():
             signal.signal(number, handler or signal.SIG_DFL)
 
     for number in usual_handlers:
-        signal.signal(number, end)
+        signal.signal(number, set_and_restore)
     try:
         yield stop
     finally:
-        end()
+        set_and_restore()
 
 
 @command(
@@ -194,7 +194,7 @@ def _stop_event() -> Iterator[Event]:
     "brake-cal fleet runs",
 )
 def fleet(
-    results: Path = argument("Of `batch`, or folder of station runs.", "RESULTS.parquet|DIR"),
+    results: Path = argument("File of `batch`, or runs of `station`.", "RESULTS.parquet|DIR"),
     *,
     out: Path | None = option("Write report.html and fleet.json here.", "DIR", writes="folder"),
 ) -> Answer:

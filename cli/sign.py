@@ -45,7 +45,7 @@ def sign(
         raise usage_error("only with --new-key", "--no-password")
     if table is None or "@" not in table:
         raise usage_error("expected name@version, see `brake-cal tables list`", "TABLE@N")
-    store.load(table)
+    store.load(table)  # raises before a password is asked for
     secret = read_secret_key(key, lambda: _typed("Password of the key: "))
     signed = signature.sign(store, table, secret)
     if signed.note:

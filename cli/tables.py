@@ -112,7 +112,7 @@ def verify(
             say(note)
     else:
         verdicts = store.verify(name)
-    rows = [{name: getattr(verdict, name) for name in keys} for verdict in verdicts]
+    rows = [{field: getattr(verdict, field) for field in keys} for verdict in verdicts]
     is_sound = all(verdict.sound for verdict in verdicts)
     document = {"store": store.folder, "sound": is_sound, "versions": rows}
     document["unfinished"] = unplaced(store.folder)
@@ -142,7 +142,7 @@ def release(table: options.Version, *, evidence: _Proof, decision: _Decision) ->
     """Release a version, so that it may be exported.
 
     The validation or station run of --evidence must be of this version and must not have failed. A
-    rejected version needs such evidence; a withdrawn one is never released again.
+    rejected version needs such evidence; a withdrawn version is never released again.
     """
     return _judged(table, "released", decision, evidence)
 
@@ -160,8 +160,8 @@ def reject(table: options.Version, *, evidence: _Proof, decision: _Decision) -> 
 def withdraw(table: options.Version, *, decision: _Decision) -> Answer:
     """Withdraw a version for good.
 
-    A name without a number never means this version, and it is not exported. Withdraw a version
-    that is missing and cannot be restored, too: `tables verify` then no longer counts it.
+    A name without a number never means this version, and it is not exported. Withdraw also a
+    version that is missing and cannot be restored: `tables verify` then no longer counts it.
     """
     from calib.store.state import StateDecision
 

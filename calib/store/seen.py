@@ -25,10 +25,10 @@ class _SeenJournal(NamedTuple):
     """A journal when the user last saw it, and the key that verified it."""
 
     key: str
-    store: str  # hash of its first line
-    place: str  # its folder
-    head: str  # hash of its last line
-    lines: int  # number of its lines
+    store: str  # hash of the first line of the journal
+    place: str  # folder of the store
+    head: str  # hash of the last line
+    lines: int
 
     def contradiction(self, folder: Path, journal: Journal) -> str:
         """Return why the ``journal`` in ``folder`` cannot have grown from this one; "" if it can.
@@ -66,7 +66,7 @@ class SeenJournals:
                 raise SignatureRefused(flaw, where=folder, expected=expected, do=do)
 
     def keep(self, folder: Path, journal: Journal, key: str) -> str:
-        """Keep the head of a journal verified with ``key``; return why that failed, or "".
+        """Keep the head of a journal that was verified with ``key``; return why not, or "".
 
         Raises SignatureRefused for a damaged file.
         """

@@ -120,7 +120,7 @@ def _require_newest(store: Store, public: PublicKey) -> tuple[Snapshot, SeenJour
 
 
 def _remember(snapshot: Snapshot, public: PublicKey, seen_journals: SeenJournals) -> str:
-    """Keep the head of the journal, if it contains all signed heads. Returns a note."""
+    """Keep the head of a journal that contains all signed heads; return a note as in `_Signed`."""
     _check_signed_heads(snapshot, public)
     return seen_journals.keep(snapshot.folder, snapshot.journal, public.key_id)
 
@@ -187,7 +187,7 @@ def _refusal(stored: Stored, flaw: str) -> SignatureRefused:
 
 
 def _signed_line(snapshot: Snapshot, signature: Signature, path: Path) -> int:
-    """Return the number of the line whose hash is the signed head. Raises SignatureRefused."""
+    """Return the number of the journal's line whose hash was signed. Raises SignatureRefused."""
     head = _HEAD.fullmatch(signature.trusted_comment)
     if not head:
         raise SignatureRefused("its trusted comment names no head of a journal", where=path)
