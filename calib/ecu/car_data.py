@@ -41,8 +41,7 @@ from calib.table.table import Table
 CAR = "bte_car"  # first part of the name of the data, and of their file
 _RESTS = 1.5  # speed of every wheel below which a car may get other data [rad/s]
 _FNV_PRIME = 16_777_619  # of the checksum, FNV-1a by words of 32 bits instead of bytes
-_PARTS = {"axles": AXLES, "sensors": tuple(CHANNELS), "": ()}
-"""Names of the parts of a number by the column ``parts`` of car_numbers.csv."""
+_PARTS = {"axles": AXLES, "sensors": tuple(CHANNELS), "": ()}  # by a column of car_numbers.csv
 
 
 def sources(
@@ -132,23 +131,20 @@ def checksum(values: list[float], bits: int) -> int:
 
 
 def numbers_of(stored: Stored, sample_time: float) -> list[Number]:
-    """Return the numbers of `bte_numbers`: constants that the code reads, and those of the car.
-
-    Raises ExchangeError for a sample time that no ECU has.
-    """
+    """Return the numbers of `bte_numbers`. Raises ExchangeError for an unusual sample time."""
     if not 1e-4 <= sample_time <= 0.1:
         raise ExchangeError(f"a sample time of {sample_time:g} s", expected="0.0001 to 0.1 s")
     table = stored.table
     c = constants(table, SensorNoise(**table.noise), time_of_block(sample_time))
-    read = re.findall(r"\bc->(\w+)", code(Precision()))
+    read = re.findall(r"\bc->(\w+)", code(Precision()))  # names that the C code uses
     tuned = {name: x for name, x in vars(c).items() if name in read and isinstance(x, float)}
     about, of_car = comments(Constants.__name__), _values_of_car(table, sample_time)
-    return [
-        Number("version", float(stored.version), "of the table [1]"),
-        *(Number(name, x, about[name]) for name, x in tuned.items()),
-        *(Number(row["name"], of_car[row["name"]], row["comment"], _PARTS[row["parts"]])
-          for row in rows("car_numbers.csv", "calib.ecu")),
-    ]  # fmt: skip
+    numbers = [Number("version", float(stored.version), "of the table [1]")]
+    numbers += [Number(name, x, about[name]) for name, x in tuned.items()]
+    for row in rows("car_numbers.csv", "calib.ecu"):
+        name = row["name"]
+        numbers.append(Number(name, of_car[name], row["comment"], _PARTS[row["parts"]]))
+    return numbers
 
 
 def _values_of_car(table: Table, sample_time: float) -> dict[str, float | list[float]]:

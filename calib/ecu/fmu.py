@@ -116,10 +116,7 @@ def write_fmu(
 
 
 def compile_fmu(path: Path) -> None:
-    """Put a binary for this machine into an FMU, with the headers of FMPy.
-
-    Raises ProgramError without FMPy, cmake or a compiler; the FMU then has its sources alone.
-    """
+    """Put a binary for this machine into an FMU. Raises ProgramError without FMPy or a compiler."""
     with zipfile.ZipFile(path) as archive:
         digest = archive.comment
     command = [sys.executable, "-m", "fmpy", "compile", str(path)]

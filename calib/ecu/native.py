@@ -30,7 +30,6 @@ from calib.table.exported import Precision
 from calib.table.table import Table
 
 OUTPUTS = 1 + 3 * len(ANSWERS)  # a reason, and `ANSWERS` with their bounds
-
 _FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno", "-fPIC", "-shared")
 # without contraction every compiler gives the same bits
 _INSTALL = "install gcc or clang: `apt install gcc`, `xcode-select --install`, or MSYS2"
@@ -45,10 +44,7 @@ def compiler() -> list[str]:
 
 
 class Native:
-    """The code of a table at a sample time [s], as a shared ``library``.
-
-    Raises ProgramError where the code cannot be compiled.
-    """
+    """The code of a table at a sample time [s], as a shared ``library``. Raises ProgramError."""
 
     def __init__(self, table: Table, sample_time: float, how: Precision) -> None:
         self.real = np.dtype(f"f{how.floating // 8}")

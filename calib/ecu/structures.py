@@ -111,11 +111,8 @@ def cell(precision: Precision) -> str:
 
 
 def initial(value: Any, bits: int) -> str:
-    """Return an initial value in C; its numbers read back to the same floats of ``bits``.
-
-    ``value``: a float, an int, a text as in C, a list of values, or a dict of members.
-    """
-    if isinstance(value, dict):
+    """Return an initial value in C; its numbers read back to the same floats of ``bits``."""
+    if isinstance(value, dict):  # members of a structure
         return f"{{{', '.join(f'.{name} = {initial(x, bits)}' for name, x in value.items())}}}"
     if isinstance(value, list):
         return f"{{{', '.join(initial(x, bits) for x in value)}}}"
@@ -140,13 +137,10 @@ def calibrated(numbers: Iterable[Number], first: str, size: int) -> list[Scalar]
 
 
 def measured(first: str, size: int) -> Iterator[Measured]:
-    """Return what a tool can measure in `bte_state`, at the offset that a compiler aligns it to.
-
-    The labels are FIRST_NAME with the names of every other export; numbers have ``size`` bytes.
-    """
+    """Return what a tool can measure in `bte_state`, as FIRST_NAME; numbers have ``size`` bytes."""
     offset, kind = 0, "FLOAT32_IEEE" if size == 4 else "FLOAT64_IEEE"
     for x in (*_counters(), *_numbers(kind)):
-        offset += -offset % _BYTES[x.kind]
+        offset += -offset % _BYTES[x.kind]  # as a compiler aligns it
         place = x.within._replace(offset=offset)
         yield x._replace(label=f"{first}_{x.label}", within=place)
         offset += _BYTES[x.kind]

@@ -35,8 +35,7 @@ _TYPES = {
 """Types in C by those of Python. Other classes are structures of equations.py."""
 _NOT_INLINED = {"update", "update_zero", "reset_speed", "share_of"}
 """Functions that would cost too much flash if the compiler copied them into each caller."""
-_VIEW, _VIEW_OF = "BlockState", "block_state"
-"""The tuple that C does not have, and the function that makes it from the state."""
+_VIEW, _VIEW_OF = "BlockState", "block_state"  # a tuple that C does not have, and its maker
 _SPELLINGS = {
     r"(?<![\w.])(\d+\.\d+|\d+e-\d+)\b": r"R(\1)",
     r"\bTrue\b": "true", r"\bFalse\b": "false", r"\bReason\.": "(bte_real)BTE_",
@@ -50,10 +49,7 @@ _SPELLINGS = {
 
 
 def translated(source: str) -> str:
-    """Return the functions and NamedTuples of a module in C, in their order.
-
-    Raises ValueError for a statement without a rule.
-    """
+    """Return the functions and NamedTuples of a module in C, in their order."""
     kinds = ast.ClassDef | ast.FunctionDef
     definitions = {x.name: x for x in ast.parse(source).body if isinstance(x, kinds)}
     parts = _parts(definitions.pop(_VIEW, ast.Pass()), definitions.pop(_VIEW_OF, ast.Pass()))
@@ -132,10 +128,7 @@ def _statements(body: Iterable[ast.stmt], undeclared: Counter[str]) -> Iterator[
 
 
 def _pairs(target: ast.expr, value: ast.expr) -> list[tuple[ast.expr, ast.expr]]:
-    """Pair each target of an assignment with its value.
-
-    Raises ValueError where C would assign a name before a later value reads the old one.
-    """
+    """Pair targets with values. Raises ValueError where C would assign before a value is read."""
     if not (isinstance(target, ast.Tuple) and isinstance(value, ast.Tuple)):
         return [(target, value)]
     pairs = [*zip(target.elts, value.elts, strict=True)]

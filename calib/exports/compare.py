@@ -40,8 +40,6 @@ def _best_rounding(pairs: Sequence[Pair]) -> tuple[str, list[Pair]]:
 
     >>> _best_rounding([Pair("a", 0.333333, 1 / 3), Pair("b", 666.667, 2000 / 3)])
     ('to 6 significant digits', [])
-    >>> _best_rounding([Pair("a", 0.25, 0.25), Pair("b", 0.4, 0.38)])
-    ('', [Pair(where='b', read=0.4, true=0.38)])
     """
     formats = {f"to {n} significant digits": f".{n - 1}e" for n in _DIGITS}
     formats |= {f"to {n} decimals": f".{n}f" for n in _DIGITS}

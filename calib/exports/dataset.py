@@ -44,12 +44,11 @@ class Content:
         """SHA-256 over labels and numbers with all their bits, in hex."""
         lines = [f"scalar {name} {float(x).hex()}" for name, x in sorted(self.scalars.items())]
         lines += [f"axis {name} {_hex(x)}" for name, x in sorted(self.axes.items())]
-        grids = {"curve": list[str](), "map": list[str]()}
-        for name, (axes, values) in sorted(self.grids.items()):
+        grids = []
+        for name, (axes, values) in self.grids.items():
             kind = "map" if len(axes) > 1 else "curve"
-            grids[kind].append(f"{kind} {name} {' by '.join(map(_hex, axes))} of {_hex(values)}")
-        lines += grids["curve"] + grids["map"]
-        return sha256("\n".join(lines).encode())
+            grids.append(f"{kind} {name} {' by '.join(map(_hex, axes))} of {_hex(values)}")
+        return sha256("\n".join(lines + sorted(grids)).encode())
 
 
 def _hex(values: Numbers) -> str:

@@ -187,10 +187,7 @@ def _type_limits(constant: Object) -> tuple[float, float]:
 
 
 def _band(constant: Object) -> Array:
-    """Return the ends of the 95 % band of a scalar; of a curve its values and bounds.
-
-    Of a map it returns the values alone, as its bounds are grids of their own.
-    """
+    """Return the 95 % ends of a scalar, the values with bounds of a curve, else the values."""
     if isinstance(constant, Scalar):
         return constant.values + Z95 * (constant.sigma or 0.0) * np.array([-1.0, 1.0])
     if isinstance(constant, Grid) and constant.count is not None:

@@ -28,10 +28,7 @@ _SLIDING = 0.3  # slip from which on a tyre slides [1]
 
 @dataclass(frozen=True)
 class Ensemble:
-    """Equally likely draws of a car, one in each row. Shapes (n,), unit [1], or as said.
-
-    `calib.table.maps.Draws` has the same columns, but the two lengths in m.
-    """
+    """Equally likely draws of a car, one in each row. Shapes (n,), unit [1], or as said."""
 
     forms: Array  # weights of `calib.car.tyre_forms` (n, 5)
     load_exponent: Array  # with which the compliance grows with the load
@@ -146,14 +143,11 @@ def wheel_slips(
 
 
 class SlipPrediction(NamedTuple):
-    """Predicted eta and slips of a braking, by draw, (n, k) [1].
-
-    ``eta_rise`` and ``slip`` are zero on the lead-in, and include the discrepancy of the tyre form.
-    """
+    """Predicted eta and slips of a braking, by draw, (n, k) [1]."""
 
     z: Array  # decelerations (k,)
-    eta_rise: Array  # eta - 1 by (22)
-    slip: Array  # mean of the apparent slips of the axles, weighed by load
+    eta_rise: Array  # eta - 1 by (22), with the discrepancy of the tyre form; 0 on the lead-in
+    slip: Array  # mean of the apparent slips of the axles by load, with discrepancy; 0 there, too
     forces: Array  # of the tyres, over the loads of the vehicle file (2, n, k)
     slips: Array  # true slips of the tyres (2, n, k)
     rolls: Mask  # whether both axles roll, see `LoadedTyres.unit_slips`, and no tyre slides

@@ -40,7 +40,7 @@ _ZERO = 0.002  # standard deviation of the zero of the sum of forces over the we
 _LIKELY, _FIRST = 32, 64  # draws that screen mistakes: the likeliest ones, and the first ones
 SCREENING_ERROR = 4.0  # error of ln of the odds by these draws, at most where the odds can decide
 NEVER = -1e6  # ln of the odds of a hypothesis that no draw explains
-_NEAR = 6.0  # a mistake further below "nothing wrong" is tried at its first sizes only [ln]
+_NEAR = 6.0  # a mistake whose ln of the evidence is lower by this is tried at its first sizes only
 _STEP = 0.05  # first step of the search of the best size, over the range of sizes [1]
 _TRIALS = 40  # largest number of sizes that the search tries
 _CHANGE = 0.01  # change of ln of the evidence at which the search ends
@@ -61,7 +61,7 @@ _BySize = dict[Size, tuple[float, float]]
 
 
 class _Level(NamedTuple):
-    """What the sum of forces of a run, or of several runs, says."""
+    """The pads' level by the sum of forces of one run or of several, with its evidence."""
 
     log_evidence: float  # a sum over the runs
     log_level: float  # ln of the pads' level, a mean over the runs [1]
@@ -80,7 +80,7 @@ def _draws(other_road: bool) -> tuple[Ensemble, Array, Array]:
     e, centre, root = draw_cars(x[:, :DRAWN], ())
     e = replace(e, log_pad_ratio=_ANY_PADS * x[:, -1])
     if other_road:
-        (_, mean), (_, sigma) = STOP.log_peak.mean, STOP.log_peak.sigma
+        (_, mean), (_, sigma) = STOP.log_peak.mean, STOP.log_peak.sigma  # of the other road
         on_other = np.arange(e.size) % 2
         normal_peak = (np.log(e.peak) - CAR.peak.mean) / CAR.peak.sigma
         log_peak = np.where(on_other, mean + sigma * normal_peak, np.log(e.peak))
@@ -103,7 +103,7 @@ def _log_mean(x: Array) -> float:
 class _SumOfForces:
     """The brake force of a run by its deceleration, as means over k groups of its braked blocks.
 
-    The force is less its zero on the lead-in, and over the weight. Its level is free:
+    The mean force on the lead-in is subtracted; forces are over the weight. The level is free:
 
         brake force = level N(pressure) (1 + discrepancy + trend) + noise
 
@@ -134,7 +134,7 @@ class _SumOfForces:
         self.log = -0.5 * math.log(self.information) - float(np.log(np.diag(root)).sum())
 
     def read(self, run: RampRun) -> _Level:
-        """Return what the forces of ``run`` say, a variant of the measured run."""
+        """Return the level by the forces of ``run``, a variant of the measured run."""
         sums = self
         if run.blocks.p_r is not self.run.blocks.p_r:
             sums = copy.copy(self)
@@ -260,7 +260,7 @@ class Evidence:
         return _log_mean(by_draw) + level.log_evidence, misfit
 
     def _level_of(self, runs: Sequence[RampRun]) -> _Level:
-        """Return what the forces of all ``runs`` say."""
+        """Return the level by the forces of all ``runs``."""
         by_run = [forces.read(run) for forces, run in zip(self._sums, runs, strict=True)]
         log, level, square = zip(*by_run, strict=True)
         return _Level(sum(log), float(np.mean(level)), sum(square))

@@ -187,10 +187,7 @@ def _ready(
 def _path(
     car: Vehicle, e: Posterior, runs: list[RampRun], refused: Callable[..., LogError]
 ) -> tuple[SlipPrediction, float]:
-    """Return eta and slips of the draws up to the highest z, and the z up to which eta rises [1].
-
-    Raises ``refused`` if eta does not rise.
-    """
+    """Return eta and slips of the draws up to the highest z, and the z up to which eta rises."""
     z_max = max(float(np.max(run.blocks.z[run.use])) for run in runs)
     path = ramp_path(car, e, np.linspace(0.0, z_max, 201))
     z_end = readable_up_to(path)
@@ -207,10 +204,7 @@ def _path(
 def _calibration(
     car: Vehicle, e: Posterior, runs: list[RampRun], resistance: Resistance
 ) -> tuple[Calibration, TableBudget]:
-    """Return pads and stiffness of the ramps, with their budget.
-
-    Ratio and stiffness are those of the draws ``e``; the level follows from the sum of forces.
-    """
+    """Return pads and stiffness with their budget, by the draws ``e`` and the sum of forces."""
     logs = np.stack([e.log_pad_ratio, e.log_stiffness])  # (2, n)
     sigmas = np.sqrt(np.diag(np.cov(logs, bias=True))).tolist()
     ratio, stiffness = map(Value, np.mean(logs, axis=1).tolist(), sigmas)

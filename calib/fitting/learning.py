@@ -60,10 +60,7 @@ def learn(car: Vehicle, e: Posterior, stops: Sequence[RampRun]) -> tuple[Posteri
 
 
 def _change(e: Ensemble, log: Array, power: float) -> str:
-    """Return the change of the pads' ratio by weights of ln ``log`` (n,), in words.
-
-    A ``power`` of the likelihood below 1 is mentioned.
-    """
+    """Return the change of the pads' ratio by weights of ln ``log`` (n,), in words."""
     weight, ratio = np.exp(log - log.max()), e.log_pad_ratio
     mean = np.average(ratio, weights=weight)
     sigma = math.sqrt(np.average((ratio - mean) ** 2, weights=weight))

@@ -111,10 +111,7 @@ def certain(causes: Sequence[Cause]) -> bool:
 
 
 def other_than_pads(causes: Sequence[Cause]) -> str:
-    """Return a motor or late wheel speeds, in words, that explain the ramps as other pads do.
-
-    It is "" where no such mistake is nearly as probable as the pads.
-    """
+    """Return a motor or late wheels, in words, if nearly as probable as other pads; else ""."""
     best_pads = max(c.log_odds for c in causes if not c.hypothesis.code)
     for cause in causes:
         code, axle = cause.hypothesis.code, cause.hypothesis.axle

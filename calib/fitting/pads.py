@@ -125,7 +125,6 @@ def calibration_of(
 
     ``scale`` is the common factor of both axles' pads [1], ``ratio`` ln of the pads' ratio,
     ``stiffness`` ln of the slip stiffness; ``parts`` are the variances by quantity and cause.
-
     The sum of forces determines the mean of the axles' pads, weighed by share of the force. The
     scale is the geometric mean of the pads, so a change of the ratio changes the scale by half the
     difference of the shares.

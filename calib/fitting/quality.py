@@ -34,8 +34,8 @@ from calib.table.table import Value
 _DRAWS = 64  # draws whose median residual is taken; its error is far below that of a block
 
 MOVE_ETA = (LATE, "unexplained_braking_force", "force_step")
-"""Codes of warnings whose cause changes eta itself. Where no other warning is given, an eta that no
-tyre explains refuses the fit. Any other warning lets it pass: its cause may explain the misfit."""
+"""Codes of warnings whose cause changes eta itself. An eta that no tyre explains refuses the fit,
+unless a mistake with another code is named, which may explain the misfit."""
 
 _LARGEST_RMS = 3.0
 """Largest root mean square of the residuals of eta on a ramp [1]. Tyres of other forms leave 0.5 to
@@ -133,8 +133,7 @@ def metrics(
 ) -> dict[str, float]:
     """Return the quality metrics of a fit besides those of its residuals.
 
-    ``path`` is the prediction for the car up to the highest z of the ``runs``, ``prior_weight`` the
-    weight of the prior in the pads' ratio [1].
+    ``path`` goes up to the highest z of the ``runs``; ``prior_weight`` in the pads' ratio [1].
     """
     z_peak, eta_peak, falls = find_peak(path)
     return {
@@ -154,10 +153,7 @@ def remarks(
     runs: list[RampRun],
     prior_support: Sequence[tuple[Prior, float]],
 ) -> Iterator[str]:
-    """Yield sentences on decisions of the fit that the table's numbers and warnings do not show.
-
-    ``prior_support`` has the posterior probability of each informative prior.
-    """
+    """Yield sentences on decisions of the fit that the table's numbers and warnings do not show."""
     if vehicle.effects.described:
         yield f"known effects taken out of the logs: {', '.join(vehicle.effects.described)}"
     if mass.stated:

@@ -82,8 +82,8 @@ class _Ramp:
 
     def _measured_in(self, run: RampRun) -> Array:
         """Return ``measured`` of a variant of the run. Most variants have the same wheel speeds."""
-        b, measured = run.blocks, self._run.blocks
-        same = b.omega_f is measured.omega_f and b.omega_r is measured.omega_r
+        b, own = run.blocks, self._run.blocks
+        same = b.omega_f is own.omega_f and b.omega_r is own.omega_r
         return self.measured if same else self._read_wheels(run)[0]
 
     def _read_wheels(self, run: RampRun) -> tuple[Array, tuple[dict[str, Array], dict[str, Array]]]:

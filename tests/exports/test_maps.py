@@ -23,17 +23,7 @@ from tests.exports.test_a2l import a2ltool, needs_a2ltool
 from tests.exports.test_formats import TREE, dcm_reader, frame_of
 from tests.support.a2l import cells, decoded, read_a2l, without_epk
 from tests.support.programs import linked, memory_of, needs_gcc
-from tests.support.tables import (
-    B_SHIFT,
-    B_SLIP,
-    B_Z,
-    SHIFT,
-    SLIP,
-    A,
-    Z,
-    made_map,
-    made_table,
-)
+from tests.support.tables import B_SHIFT, B_SLIP, B_Z, SHIFT, SLIP, A, Z, made_map, made_table
 
 OFF = {"ratio": 0.0, "ratio_lower": -0.1, "ratio_upper": 0.2, "change": -0.05}
 """What a column is over the ratio."""

@@ -16,15 +16,7 @@ from calib.table.curves import EXTRAPOLATED, INTERPOLATED, MEASURED
 from calib.table.invariants import violations
 from tests.support.drawn_cars import one_car
 from tests.support.plant import brush, magic
-from tests.support.reference_car import (
-    CAR,
-    IDEAL,
-    noisy,
-    ramp,
-    true_eta,
-    true_forces,
-    with_ratio,
-)
+from tests.support.reference_car import CAR, IDEAL, noisy, ramp, true_eta, true_forces, with_ratio
 
 L_F, L_R, H = 1.1556, 1.6494, 0.615
 """Table II [m]."""

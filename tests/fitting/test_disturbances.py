@@ -57,8 +57,7 @@ def test_nothing_is_left_out_of_a_ramp_in_which_nothing_happens(usual):
 
 
 @pytest.mark.parametrize(
-    ("what", "with_v"),
-    [("bump", True), ("gear shift", True), ("patch", False)],
+    ("what", "with_v"), [("bump", True), ("gear shift", True), ("patch", False)]
 )
 def test_a_disturbed_ramp_gives_the_pads_of_one_that_is_not(usual, what, with_v):
     log = without(noisy(ramp(PLANTS[what]), 3), *HIDDEN, *(() if with_v else ("v",)))

@@ -11,16 +11,7 @@ from calib.fitting.learning import learn, log_likelihood
 from calib.fitting.posterior import posterior
 from calib.table.table import Value
 from tests.support.drawn_cars import one_car
-from tests.support.reference_car import (
-    CAR,
-    IDEAL,
-    noisy,
-    prepared,
-    ramp,
-    stop,
-    with_ratio,
-    without,
-)
+from tests.support.reference_car import CAR, IDEAL, noisy, prepared, ramp, stop, with_ratio, without
 
 RATIO = 1.06
 PLANT = with_ratio(IDEAL, RATIO)

@@ -16,8 +16,6 @@ from tests.support.drawn_cars import one_car
 from tests.support.reference_car import CAR
 
 COUNT = 8192
-
-
 TYRES = {"peak": 0.95, "compliance_r": 0.05, "radius_load": 0.002}
 
 

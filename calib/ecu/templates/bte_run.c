@@ -1,10 +1,8 @@
 /* Run the estimator of brake-cal over many samples, for tests: the function bte_run.
  *
  * With BTE_VECTORS defined this file is a program for a PC. Without an argument it compares its
- * answers with those of Python in bte_vectors.h. With the file of a stop, as `brake-cal log --si`
- * writes it, it prints its answers to the stop:
- *
- *     bte_run stop.csv > answers.csv
+ * answers with those of Python in bte_vectors.h. `bte_run stop.csv > answers.csv` prints its answers
+ * to a stop that `brake-cal log STOP --si --out stop.csv` wrote.
  */
 #include "bte.h"
 
