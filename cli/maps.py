@@ -72,9 +72,9 @@ def map_(
     if is_certain and proposal.missing:
         missing = ", ".join(proposal.missing)
         print_error(f"{log}: {missing} missing; a table needs it: log it, or name it with --take")
-    record = asdict(proposal)
+    record = {"certain": not proposal.doubts} | asdict(proposal)
     record["left"] = record.pop("unused")  # scripts know the unused columns by this key
-    record |= {"certain": not proposal.doubts, "toml": toml if is_certain else None}
+    record["toml"] = toml if is_certain else None
     if not is_certain:
         return Answer(record, "", UNREADABLE)
     text = toml.rstrip("\n") if out is None else ""
