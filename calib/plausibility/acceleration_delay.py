@@ -34,8 +34,7 @@ _START, _SLOPE, _SCALE, _RADIUS = 100.0, 0.5, 0.02, 0.01
 _COLOUR = 2.0  # noise of z over a second over its white part [1]: logs have 1.5 to 4, by the road
 _FINEST = 1e-3  # least noise of u, and of z times a step [m/s]
 _FORM = 0.045
-"""Sigma that a lag of the brakes, forms of tyres and the pitch of a body add without v [s]: with
-it, none of 234 sound logs of seven plants is 3 sigma off."""
+"""Sigma that lag of the brakes, form of tyres and pitch add without v [s], by 234 sound logs."""
 
 
 class AccelerationDelay(NamedTuple):
@@ -53,6 +52,8 @@ def acceleration_delay(run: Run) -> AccelerationDelay | None:
     if compared.stop - compared.start < _FEWEST * size:
         return None
     time, speed, z, pressure, *lost = block_mean(_signals(run, compared), size)  # each (n,)
+    if not np.any(pressure > 0.0):  # the car slows, but not by its brakes
+        return None
     columns = [np.ones_like(time), time - time[0], lost[_TRIED.size // 2]]  # of v_0, e, c: I at 0 s
     sigma = [_START, _SLOPE, _SCALE]
     noise = white_noise(speed, 2), _COLOUR * G * size * run.blocks.length * white_noise(z, 2)
@@ -80,7 +81,6 @@ def _compared_blocks(run: Run) -> slice:
     last = min(bite + round(_BRAKED / b.length), b.end.size)
     latest = min(run.first_slip, b.end[-1] - _LONGEST)
     unusable = (b.speed < MOVING) | (np.abs(b.z) > GREATEST_Z) | (b.end > latest)
-    unusable[bite] |= not np.any((b.p_f + b.p_r)[first:last] > 0.0)
     stops = np.flatnonzero(unusable[first:last])
     return slice(int(first), int(first + stops[0] if stops.size else last))
 

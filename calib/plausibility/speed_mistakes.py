@@ -204,8 +204,8 @@ class _AxleModel(NamedTuple):
 
     def fits(self, hypotheses: Sequence[_Hypothesis]) -> list[_Fit]:
         """Posterior of the unknowns under each of the h hypotheses."""
-        mean, sigma = np.stack([self._prior(x) for x in hypotheses], axis=1)  # (h, 14)
-        late = np.stack([self.means.late[x.delay, x.rate] for x in hypotheses])
+        mean, sigma = np.stack([self._prior(case) for case in hypotheses], axis=1)  # (h, 14)
+        late = np.stack([self.means.late[case.delay, case.rate] for case in hypotheses])  # (h, n)
         rows = self.columns / self.noise[:, None]
         residual = np.tile(self.means.v - late, 2) / self.noise - mean @ rows.T  # (h, 2 n)
         side = residual @ rows

@@ -114,7 +114,7 @@ def true_intervals(mask: Mask) -> list[tuple[int, int]]:
 
 
 def inner_products(columns: Array, y: Array) -> tuple[Array, Array, Array]:
-    """Return A^T A (m, k, k), A^T y (m, k), y^T y of ``y`` (n,) and ``columns`` A^T (m, k, n)."""
+    """Return A^T A (m, k, k), A^T y (m, k), y^T y of m regressions; ``columns`` A^T (m, k, n)."""
     return columns @ np.swapaxes(columns, 1, 2), columns @ y, y @ y
 
 

@@ -9,6 +9,7 @@ from calib.plausibility.acceleration_delay import acceleration_delay
 from calib.plausibility.evidence import Evidence
 from calib.plausibility.forces import a_x_late
 from calib.run.run import Run
+from tests.support.plant import as_log, drive
 from tests.support.reference_car import CAR, REAL, noisy, ramp, stop, without
 from tests.support.refusals import broken
 
@@ -33,7 +34,7 @@ def test_a_delay_of_a_x_is_measured(kind, by, absent):
 
 
 def test_a_log_without_braking_shows_no_delay():
-    log = LOGS["ramp"]
-    rolls = log.time < 1.0
-    cut = {name: x[rolls] for name, x in log.channels.items()}
-    assert acceleration_delay(Run(replace(log, channels=cut, truth={}), CAR)) is None
+    coast = without(as_log(drive(REAL, lambda t: 0.0, 30.0, duration=8.0), "coast"), "v")
+    for a_x in (coast["a_x"], np.where(coast.time > 4.0, -1.6, coast["a_x"])):
+        log = replace(coast, channels=coast.channels | {"a_x": a_x})
+        assert acceleration_delay(Run(log, CAR)) is None

@@ -1,5 +1,4 @@
-"""A speed that comes late is seen against a_x, put in time, and no scale, slope or zero is taken
-for it."""
+"""A late speed is seen against a_x and put in time; no scale, slope or zero is taken for it."""
 
 from dataclasses import replace
 
