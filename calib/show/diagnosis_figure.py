@@ -32,9 +32,9 @@ def diagnosis_sheet(diagnosis: Diagnosis) -> Sheet:
     name, log = diagnosis.model_before.vehicle.name, [worst(diagnosis)]
     logs, (weights, words) = range(len(diagnosis.measured)), _split_of(diagnosis)
     panels = (
-        _errors("speed", "Speed", diagnosis, logs, {"v": 1.0}, "v [m/s]"),
-        _errors("acceleration", "Acceleration", diagnosis, log, {"a_x": 1.0}, "a_x [m/s\u00b2]"),
-        _errors("split", f"Wheel speeds, {words}", diagnosis, log, weights, "[rad/s]"),
+        _errors(diagnosis, ("speed", "Speed", "v [m/s]"), logs, {"v": 1.0}),
+        _errors(diagnosis, ("acceleration", "Acceleration", "a_x [m/s\u00b2]"), log, {"a_x": 1.0}),
+        _errors(diagnosis, ("split", f"Wheel speeds, {words}", "[rad/s]"), log, weights),
         *([_term(diagnosis.unexplained.term)] if diagnosis.unexplained else []),
     )
     return Sheet(
@@ -87,17 +87,14 @@ def _split_of(diagnosis: Diagnosis) -> tuple[dict[str, float], str]:
 
 
 def _errors(
-    name: str,
-    title: str,
-    diagnosis: Diagnosis,
-    logs: Sequence[int],
-    weights: dict[str, float],
-    unit: str,
+    diagnosis: Diagnosis, labels: Sequence[str], logs: Sequence[int], weights: dict[str, float]
 ) -> Panel:
     """Return a panel with replay less measurement of a sum of channels with ``weights``.
 
-    The ``logs``, by their indices, stand one after another, each below its number and name.
+    ``labels`` are name, title and unit. The ``logs``, by their indices, stand one after another,
+    each below its number and name.
     """
+    name, title, unit = labels
     noises = [w * diagnosis.gap.noise[CHANNELS.index(channel)] for channel, w in weights.items()]
     half, start = Z95 * math.hypot(*noises), 0.0
     band = np.full(2, -half), np.full(2, half)

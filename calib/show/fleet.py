@@ -6,7 +6,6 @@ log, the median and the range of 90 % of the logs; a value beyond the axis is dr
 
 import textwrap
 from collections.abc import Callable
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -48,10 +47,11 @@ def fleet_facts(summary: Summary) -> Facts:
     failed_row = [("failed", first_failed)] if failed else []
     copies = [f"one recording, counted {len(x)} times: {', '.join(x)}" for x in summary.copies]
     to_look_at = [metric for metric in metrics if metric.outlying.any()]
+    verdict = WARNING if summary.outliers or summary.failures else PASSED
     return Facts(
         "Fleet",
         headline=summary.headline,
-        verdict=_verdict(summary),
+        verdict=verdict if summary.judged else UNJUDGED,
         numbers=[
             ("logs", str(len(summary.logs))),
             *((status, str(count)) for status, count in summary.status.items()),
@@ -90,7 +90,7 @@ def _limits(keys: str) -> str:
 
 
 def _metric(summary: Summary, metric: MetricSummary) -> Facts:
-    picture = Picture(f"{metric.name}, log by log.", partial(metric_sheet, summary, metric))
+    picture = Picture(f"{metric.name}, log by log.", lambda: metric_sheet(summary, metric))
     return Facts(f"{metric.name} ({metric.column.name})", pictures=[picture])
 
 
@@ -112,12 +112,6 @@ def _text_of(metric: MetricSummary) -> Callable[[float], str]:
     unit = f"{NBSP}{printed.unit}" if printed.unit else ""
     step = 0.1 * printed.factor * (metric.quantiles["95"] - metric.quantiles["5"])
     return lambda value: number(printed.factor * value, step) + unit
-
-
-def _verdict(summary: Summary) -> str:
-    if not summary.judged:
-        return UNJUDGED
-    return WARNING if summary.outliers or summary.failures else PASSED
 
 
 def _row(metric: MetricSummary) -> tuple[str, ...]:

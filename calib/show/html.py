@@ -160,7 +160,7 @@ def _shortened(line: re.Match[str]) -> str:
     path = Path(np.array([point.split() for point in line[0].removeprefix("M").split("L")], float))
     path.should_simplify, path.simplify_threshold = True, _HALF_A_PIXEL
     points = np.asarray(path.cleaned(simplify=True).vertices)[:-1]  # (m, 2), without its end mark
-    first, *steps = 0.1 * np.diff(np.rint(10.0 * points), axis=0, prepend=0.0)  # tenths of a point
+    first, *steps = 0.1 * np.diff(np.rint(10.0 * points), axis=0, prepend=0.0)  # [pt], in tenths
     moves = []
     for step in (first, *(step for step in steps if step.any())):
         x, y = (f"{way:.1f}".removesuffix(".0") for way in step)

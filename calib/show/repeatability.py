@@ -3,8 +3,6 @@
 %GRR is the share of the gauge in the scatter, ndc the number of distinct cars that it can tell.
 """
 
-from functools import partial
-
 import numpy as np
 
 from calib.base.plain import metric_of
@@ -47,7 +45,7 @@ def gauge_facts(study: GaugeStudy) -> Facts:
         tables=[Table(heads, [*map(_shares, study.results)], verdicts=verdicts)],
         notes=study.notes,
         parts=[
-            Facts("The ramps", pictures=[Picture(_DRAWN, partial(gauge_sheet, study))]),
+            Facts("The ramps", pictures=[Picture(_DRAWN, lambda: gauge_sheet(study))]),
             Facts("Where the scatter comes from",
                   tables=[Table(causes, [*map(_deviations, study.results)], _SD)]),
         ],
