@@ -70,7 +70,7 @@ def log(
     from calib.logs.write import WRITERS
     from calib.run.events import run_events
     from calib.show.facts import Facts
-    from calib.show.log import document, log_facts, written
+    from calib.show.log import document, log_facts, written_document
 
     if start is not None and until is not None and start >= until:
         raise usage_error(f"{start:g} s is not before {until:g} s", "--from")
@@ -92,7 +92,7 @@ def log(
             write_file(out, write(part))
             for note in part.notes:
                 say(f"{part.source}: {note}")
-            written_log = written(part, out)
+            written_log = written_document(part, out)
             message = f"{out}: {written_log['rows']} rows, {len(written_log['columns'])} columns"
             return Answer({"logs": [written_log]}, message)
         contents.append((part, inventory(part), run_events(channels_log(whole))))

@@ -61,7 +61,7 @@ def simulate(
     from calib.model.sensor_noise import add_noise
     from calib.model.simulate import replay
     from calib.model.simulate import simulate as drive
-    from calib.show.log import simulated
+    from calib.show.log import simulated_document
 
     car = with_own(vehicle, effect)
     car_model = read_model(model, car) if model else default_model(car)
@@ -84,6 +84,7 @@ def simulate(
         write(result, out)
     for note in result.notes:
         say(f"note: {note}")
-    document = simulated(result, driven_log["v"], out, model)  # v before the noise of a sensor
+    speed = driven_log["v"]  # before the noise of a sensor
+    document = simulated_document(result, speed, out, model)
     first, last = document["first_speed"], document["last_speed"]
     return Answer(document, f"{out}: {driven_log.time.size} samples, {first:.1f} to {last:.1f} m/s")

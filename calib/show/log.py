@@ -165,7 +165,7 @@ def _kind(name: str) -> str:
     return stem if is_ours and place in (*WHEELS, "f", "r") else name
 
 
-def written(log: WholeLog, out: Path) -> dict[str, Any]:
+def written_document(log: WholeLog, out: Path) -> dict[str, Any]:
     """Return the JSON document of a log that was written to ``out``."""
     return {
         "log": log.source,
@@ -193,7 +193,7 @@ def document(
     }
 
 
-def simulated(log: Log, speed: Array, out: Path, model: Path | None) -> dict[str, Any]:
+def simulated_document(log: Log, speed: Array, out: Path, model: Path | None) -> dict[str, Any]:
     """Return the JSON document of a simulation with the simulated ``speed`` [m/s] (n,)."""
     return {
         "out": out,

@@ -66,14 +66,11 @@ def validation_facts(judged: Validated) -> Facts:
     passed = WARNING if warnings else PASSED
     verdict = FAILED if failed else passed
     budgets = [axle for result in in_order for axle in result.budget or ()]
+    table = f"{stored.id}, {stored.state.with_reason}"
     details = Facts(
         "The ECU beside the best estimate",
         tables=[beside_best(stored, in_order)],
-        rows=[
-            ("table", f"{stored.id}, {stored.state.with_reason}"),
-            ("mass", str(in_order[0].mass)),
-            *_limiting(in_order),
-        ],
+        rows=[("table", table), ("mass", str(in_order[0].mass)), *_limiting(in_order)],
         notes=advice_lines(budgets, STOP),
     )
     return Facts(
