@@ -84,7 +84,7 @@ def simulate(
         write(result, out)
     for note in result.notes:
         say(f"note: {note}")
-    speed = driven_log["v"]  # before the noise of a sensor
-    document = simulated_document(result, speed, out, model)
+    true_speed = driven_log["v"]  # before the noise of a sensor
+    document = simulated_document(result, true_speed, out, model)
     first, last = document["first_speed"], document["last_speed"]
     return Answer(document, f"{out}: {driven_log.time.size} samples, {first:.1f} to {last:.1f} m/s")
