@@ -180,16 +180,6 @@ class Dataset:
         return (*self.axes, *self.curves, *self.maps, *self.scalars)
 
     @property
-    def lines(self) -> tuple[Grid, ...]:
-        """Curves, and maps that have one axis."""
-        return tuple(grid for grid in (*self.curves, *self.maps) if len(grid.axes) == 1)
-
-    @property
-    def surfaces(self) -> tuple[Grid, ...]:
-        """Maps that have several axes."""
-        return tuple(grid for grid in self.maps if len(grid.axes) > 1)
-
-    @property
     def number_format(self) -> str:
         """Number format of a file for an ECU, in words."""
         if self.bits is None:

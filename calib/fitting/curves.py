@@ -98,7 +98,11 @@ def tyre_curve(e: Posterior, path: SlipPrediction, runs: list[RampRun]) -> TyreC
     beyond `NEAR_PEAK` of its peak.
     """
     last_force = 1.1 * float(np.median(np.max(path.forces, axis=0)[:, -1]))
-    tyres = _tyres(e)
+    # slip and force of each draw's mean tyre, (n, m) each
+    use = np.linspace(0.0, NEAR_PEAK, 2 * SETTINGS.rows)  # force over its peak
+    slip_scale = e.peak * np.sqrt(e.compliance_f * e.compliance_r)
+    slips = slip_scale[:, None] * (inverse_forms(use) @ e.forms.T).T
+    tyres = list(zip(slips, e.peak[:, None] * use, strict=True))
     end = np.median([np.interp(last_force, force, slip) for slip, force in tyres])
     grid = np.linspace(0.0, float(end), SETTINGS.rows)
     axle_slips = np.median(path.slips, axis=1)  # (2, k)
@@ -114,14 +118,6 @@ def differences(path: SlipPrediction, eta: Array) -> Array:
     rising = np.maximum.accumulate(1.0 + path.eta_rise, axis=1)
     D = path.forces[0] - path.forces[1]
     return np.array([np.interp(eta, x, y) for x, y in zip(rising, D, strict=True)])
-
-
-def _tyres(e: Ensemble) -> list[tuple[Array, Array]]:
-    """Return slip and normalised force (k,), up to `NEAR_PEAK`, of each draw's mean tyre."""
-    use = np.linspace(0.0, NEAR_PEAK, 2 * SETTINGS.rows)  # force over its peak
-    slip_scale = e.peak * np.sqrt(e.compliance_f * e.compliance_r)
-    slips = slip_scale[:, None] * (inverse_forms(use) @ e.forms.T).T
-    return list(zip(slips, e.peak[:, None] * use, strict=True))
 
 
 def _columns(grid: Array, draws: Array, e: Posterior, measured: list[Array]) -> tuple[Array, ...]:

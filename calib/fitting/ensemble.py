@@ -50,11 +50,6 @@ class Ensemble:
         return int(self.peak.size)
 
     @property
-    def log_stiffness(self) -> Array:
-        """ln of the slip stiffness, as geometric mean of the axles, (n,) [1]."""
-        return np.asarray(-0.5 * np.log(self.compliance_f * self.compliance_r))
-
-    @property
     def linear(self) -> Array:
         """Front and rear compliance, and fall of the radii with load, (n, 3) [1]."""
         return np.stack([self.compliance_f, self.compliance_r, self.radius_load], axis=1)

@@ -205,7 +205,8 @@ def _calibration(
     car: Vehicle, e: Posterior, runs: list[RampRun], resistance: Resistance
 ) -> tuple[Calibration, TableBudget]:
     """Return pads and stiffness with their budget, by the draws ``e`` and the sum of forces."""
-    logs = np.stack([e.log_pad_ratio, e.log_stiffness])  # (2, n)
+    log_stiffness = -0.5 * np.log(e.compliance_f * e.compliance_r)  # geometric mean of the axles
+    logs = np.stack([e.log_pad_ratio, log_stiffness])  # (2, n)
     sigmas = np.sqrt(np.diag(np.cov(logs, bias=True))).tolist()
     ratio, stiffness = map(Value, np.mean(logs, axis=1).tolist(), sigmas)
     scale, level = level_of(car, runs, resistance, ratio.value)
