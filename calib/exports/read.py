@@ -68,10 +68,11 @@ def read_back(path: Path) -> Returned:
     return Returned(form, facts, units, content, first, table)
 
 
-_AXIS, _VALUE = "STUETZSTELLENVERTEILUNG", "FESTWERT"
-_GROUP, _LINE, _MAP = "GRUPPENKENNLINIE", "KENNLINIE", "GRUPPENKENNFELD"
-_FORMAT, _FUNCTIONS = "KONSERVIERUNG_FORMAT", "FUNKTIONEN"
-_X, _W, _Y = "ST/X", "WERT", "ST/Y"
+_AXIS, _VALUE = "STUETZSTELLENVERTEILUNG", "FESTWERT"  # a shared axis, a scalar
+_GROUP, _LINE = "GRUPPENKENNLINIE", "KENNLINIE"  # a curve over a shared axis, over an own axis
+_MAP, _FUNCTIONS = "GRUPPENKENNFELD", "FUNKTIONEN"  # a map over shared axes, the list of functions
+_FORMAT = "KONSERVIERUNG_FORMAT"  # in the first line after the head
+_X, _Y, _W = "ST/X", "ST/Y", "WERT"  # points of the two axes, values
 _ARRAYS = {
     _AXIS: (_X,), _GROUP: (_X, _W), _LINE: (_X, _W), _MAP: (_X, _Y, _W), _VALUE: (_W,),
     _FUNCTIONS: (),
@@ -82,13 +83,13 @@ _TEXTS = ("LANGNAME", "DISPLAYNAME", "FUNKTION", "EINHEIT_X", "EINHEIT_Y", "EINH
 
 
 class _Block(NamedTuple):
-    """An object of a DCM file; ``over``: labels of the shared axes of a curve or map, by array."""
+    """An object of a DCM file."""
 
     kind: str
     name: str
-    over: dict[str, str]
+    over: dict[str, str]  # labels of the shared axes of a curve or map, by array
     unit: str
-    numbers: dict[str, Numbers]
+    numbers: dict[str, Numbers]  # by array
 
 
 _CONTROL = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\u2028\u2029]")

@@ -114,10 +114,10 @@ def _log_likelihood_on(
 
     ``e`` has the peak of the road; ``stiffer`` and ``sigmas`` as in `_roads`.
     """
-    # mean slips (axis, n) by the rows of eta at the peak and a step beyond, and their derivative
+    # mean unit slips (2, n, 2) by the rows of eta: at the peak and a step beyond, of each axle
     rows = [regression.equations(replace(e, peak=x * e.peak))[0] for x in (1.0, math.exp(_STEP))]
     slips = np.stack([np.abs(x[:, :2, :_GROUPS]).mean(axis=-1) for x in rows])
-    by_peak = np.log(slips[1] / slips[0]) / _STEP * sigmas[0]
+    by_peak = np.log(slips[1] / slips[0]) / _STEP * sigmas[0]  # (n, 2)
     # covariance (n, 2, 2) of ln of the compliances: by peak, stiffness and a_x, and each tyre
     alike = sigmas[1] ** 2 + float(STOP.a_x_scale.sigma[0]) ** 2
     apart = float(STOP.log_tyre.sigma[0]) ** 2 * np.eye(2)

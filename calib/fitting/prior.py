@@ -34,7 +34,7 @@ PLACES = {name: np.flatnonzero(np.array(NAMES) == name).tolist() for name in NAM
 DRAWN = len(FORMS) + len(_NONLINEAR)  # number of the nonlinear ones; others are integrated out
 
 COMPLIANCE, _SIGMA = CAR.compliance.mean, CAR.compliance.sigma
-_HALF = 0.5 * CAR.log_tyre_ratio.sigma * COMPLIANCE  # of the difference between the axles
+_HALF = 0.5 * CAR.log_tyre_ratio.sigma * COMPLIANCE  # half the difference of the axles, sigma
 _LINEAR = np.array([COMPLIANCE, COMPLIANCE, CAR.radius_load.mean])
 _TO_LINEAR = np.array(
     [[_SIGMA, _HALF, 0.0], [_SIGMA, -_HALF, 0.0], [0.0, 0.0, CAR.radius_load.sigma]]
@@ -68,9 +68,9 @@ _DEFAULT = Prior("the field", "", np.zeros(len(NAMES)), np.eye(len(NAMES)))
 
 
 def draw_cars(x: Array, priors: Sequence[Prior]) -> tuple[Ensemble, Array, Array]:
-    """Return cars of standard normal ``x`` (n, DRAWN + 1), and the prior of the linear parameters.
+    """Return cars of standard normal ``x`` (n, DRAWN), and the prior of the linear parameters.
 
-    The last column of ``x`` decides which of the ``priors`` a draw has. The linear parameters,
+    With ``priors``, a further column of ``x`` decides which a draw has. The linear parameters,
     compliances and ``radius_load``, are integrated out: the cars have 1 in their place. Given the
     other coordinates they are normal, with a centre (n, 3) and the upper triangular root U
     (n, 3, 3) of their covariance U U'.
