@@ -140,9 +140,10 @@ def predict(
     base = base.of_log(run.random_effects)
     if run_lag is None or (run_lag.car, run_lag.tyre) != (car, base.tyre):
         run_lag = _lag_of(car, base.tyre, run)
-    in_time = replace(run, p_mc=np.interp(run.time - base.clock, run.time, run.p_mc))
-    lines = combined.line_pressure(effects, in_time)
-    clamps = np.array(combined.caliper_pressure(effects, in_time, *lines))
+    # with the pressure on the clock of the other channels
+    on_one_clock = replace(run, p_mc=np.interp(run.time - base.clock, run.time, run.p_mc))
+    lines = combined.line_pressure(effects, on_one_clock)
+    clamps = np.array(combined.caliper_pressure(effects, on_one_clock, *lines))
     history, torque = run, np.zeros(0)
     depends_on_z = any(term.driver == "deceleration" for term in effects.terms)
     for number in range(_PASSES_OF_TERM if depends_on_z else _PASSES):

@@ -78,6 +78,7 @@ def _free_motion(tau: Array, relaxation: Array) -> Array:
     root = np.where(root == 0.0, _LEAST, root)
     slow, fast = np.exp(mean + root), np.exp(mean - root)
     even, odd = 0.5 * (slow + fast).real, (0.5 * (slow - fast) / root).real
+    # e^A = even I + odd (A - mean I)
     return np.array([[even - odd * mean, odd], [-odd / (tau * relaxation), even + odd * mean]])
 
 
@@ -91,6 +92,7 @@ def _taps(tau: Array, relaxation: Array, free: Array) -> Array:
     # rows: level, slope and bend at the begin; columns: for an input of 1 alone at each place
     parabolas = np.array([[0.0, 1.0, 0.0], [-0.5, 0.0, 0.5], [1.0, -2.0, 1.0]])
     level, slope, bend = parabolas[:, :, None, None]
+    # settled F and F' at the begin of the step, and at its end, where t = 1
     force, rate = level - tau * slope + tau * (tau - relaxation) * bend, slope - tau * bend
     at_end = np.array([force + rate + 0.5 * bend, rate + bend])
     return np.asarray(at_end - np.einsum("ij...,jk...->ik...", free, np.array([force, rate])))
