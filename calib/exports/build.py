@@ -98,11 +98,8 @@ def _curves_of(table: Table, first: str, precision: Precision) -> Iterator[tuple
         grids = []
         for column, (text, *columns) in curves.items():
             values, low, high, count, flag = (each[rows] for each in columns)
-            numbers = precision.numbers(values)
-            grids.append(
-                Grid(label(first, column), text, UNIT, *numbers, column, (low, high), count, flag,
-                     axes=(axis,))
-            )  # fmt: skip
+            named = label(first, column), text, UNIT, *precision.numbers(values), column
+            grids.append(Grid(*named, (low, high), count, flag, axes=(axis,)))
         yield axis, grids
 
 
@@ -115,10 +112,12 @@ def _name(part: str, name: str) -> str:
     >>> _name("map", "slip"), _name("level_map", "z"), _name("level_map", "ratio_lower")
     ('slip_apart', 'z_level', 'ratio_0_lower')
     """
-    if part == "level_map":
-        column, _, end = name.partition("_")
-        return {"z": "z_level", "level": name}.get(column, f"{column}_0_{end}".rstrip("_"))
-    return "slip_apart" if name == "slip" else name
+    if part != "level_map":
+        return "slip_apart" if name == "slip" else name
+    if name == "z":
+        return "z_level"
+    column, underscore, end = name.partition("_")
+    return name if column == "level" else f"{column}_0{underscore}{end}"
 
 
 def maps_of(
