@@ -40,8 +40,8 @@ _SEED, _MEDIUM = 1, 1
 _HEAD = """# What a cause looks like
 
 You see a departure in your logs and wonder what makes it. Each picture shows a car with this one
-cause, in the channel that shows it most: replay less measurement, before and after the cause is
-added. Grey is the noise of the sensor. `brake-cal effects NAME` has the equation.
+cause, in the channel that shows it most: replay less measurement, once without the cause in the
+model and once with it. Grey is the noise of the sensor. `brake-cal effects NAME` has the equation.
 
 <!-- written by `python -m tests.support.gallery` -->
 
