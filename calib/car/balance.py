@@ -74,7 +74,7 @@ def force_balance(
     """
     front, rear = vehicle.front, vehicle.rear
     load_f, load_r = axle_loads(vehicle, z)
-    history = replace(constant_speed(time, pressure, 0.0), v=speed, z=z)
+    history = replace(constant_speed(time, pressure, 0.0), v=speed, z=z)  # no angles, no heat
     motion = Motion(speed, load_f, load_r, history)
     moment_f, moment_r = total_axle_moment(vehicle, effects, motion)
     if drive is not None:
@@ -110,8 +110,8 @@ def tyre_forces(
     ``inertia`` is -M dv/dt. A part of the brake force slows the wheels themselves. All forces are
     in N, or all are over the weight.
     """
-    front, rear = rotating_shares(vehicle)
-    return share * brake - front * inertia, (1.0 - share) * brake - rear * inertia
+    mass_f, mass_r = rotating_shares(vehicle)  # over the mass of the car
+    return share * brake - mass_f * inertia, (1.0 - share) * brake - mass_r * inertia
 
 
 def brake_forces(
@@ -162,13 +162,13 @@ def front_biased_up_to(vehicle: Vehicle) -> float:
 
 
 def lock_efficiency(vehicle: Vehicle, friction: float) -> float:
-    """z at which the first axle locks, over the ``friction`` mu of the road [1]; at most 1.
+    """z/mu [1] at which the first axle locks on a road of ``friction`` mu; at most 1.
 
-    The front axle locks where phi z L = mu (l_r + z h), from (6); the rear axle where
-    (1 - phi) z L = mu (l_f - z h), from (7).
+    An axle locks where its brake force is mu times its load: the front axle where
+    phi z L = mu (l_r + z h), by (6), the rear axle where (1 - phi) z L = mu (l_f - z h), by (7).
     """
     phi, L, h = front_share(vehicle, 0.0), vehicle.wheelbase, vehicle.cg_height
     divisor = phi * L - friction * h
-    front = vehicle.cg_to_rear_axle / divisor if divisor > 0.0 else math.inf  # z/mu
-    rear = vehicle.cg_to_front_axle / ((1.0 - phi) * L + friction * h)
-    return min(front, rear)
+    front_locks_at = vehicle.cg_to_rear_axle / divisor if divisor > 0.0 else math.inf
+    rear_locks_at = vehicle.cg_to_front_axle / ((1.0 - phi) * L + friction * h)
+    return min(front_locks_at, rear_locks_at)

@@ -48,8 +48,8 @@ class Mixture(NamedTuple):
 
 
 STIFFENING, DRY_PEAK = 0.25, 0.9
-"""On a road where the tyre has the peak mu [1], ln of the slip stiffness is larger by STIFFENING
-ln(mu/DRY_PEAK). The rows `log_stiffness` give the variation about this mean."""
+"""On another road, where the tyre has the peak mu [1], STIFFENING ln(mu/DRY_PEAK) is added to
+`log_stiffness`, which is ln of the slip stiffness over that on the ramp."""
 
 
 class Car(NamedTuple):

@@ -60,7 +60,7 @@ def brakes_of(model: Model, history: RunHistory, logged: Mapping[str, Array]) ->
     """
     effects = model.effects
     p_f, p_r = line_pressure(effects, history)
-    wheel_pressure = {w: logged.get(w, p_f if w[0] == "f" else p_r) for w in WHEELS}
+    wheel_pressure = {"fl": p_f, "fr": p_f, "rl": p_r, "rr": p_r, **logged}
     uneven_axles = {w[0] for w in wheel_factors(effects, history)}
     computed = [w for w in WHEELS if w[1] == "l" or logged or w[0] in uneven_axles]
     clamp: dict[str, Array] = {}

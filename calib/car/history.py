@@ -39,7 +39,7 @@ class RunHistory:
     energy_f: Array  # dissipated in one brake of the axle since the first sample [J]
     energy_r: Array
     source: str = ""  # name of the log or the simulation, for messages
-    start_heat: tuple[float, float] = COLD  # of the discs at the first sample, if not logged [degC]
+    start_heat: tuple[float, float] = COLD  # first temperature of discs, if not logged [degC]
     averaged: int = 1  # each sample is the mean of this number m of raw samples
 
     def ripple(self, phase: float) -> Array:
@@ -108,5 +108,5 @@ def disc_temperature(time: Array, energy: Array, heat_capacity: float, start: fl
     no heat here, and cooling does not depend on speed.
     """
     stored = energy - first_order(time, energy, _COOLING_TIME)
-    initial = np.exp(-(time - time[0]) / _COOLING_TIME)
-    return np.asarray(_AIR + (start - _AIR) * initial + stored / heat_capacity)
+    decay = np.exp(-(time - time[0]) / _COOLING_TIME)
+    return np.asarray(_AIR + (start - _AIR) * decay + stored / heat_capacity)

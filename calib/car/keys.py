@@ -49,7 +49,7 @@ class VehicleKey:
     def value_of(self, vehicle: Vehicle) -> float:
         """The value in a vehicle, in ``unit``; only for a key that holds a number."""
         owner = {FRONT: vehicle.front, REAR: vehicle.rear}.get(self.section, vehicle)
-        return from_si(float(getattr(owner, self.name)), self.unit, si_of(self.unit))
+        return from_si(float(getattr(owner, self.name)), self.unit, si=si_of(self.unit))
 
 
 def _read(row: dict[str, str]) -> VehicleKey:

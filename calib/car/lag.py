@@ -44,8 +44,9 @@ def second_order(time: Array, x: Array, frequency: float, damping: float) -> Arr
     ``frequency`` w [rad/s]; ``damping`` D [1], 0 <= D < 1: valid for an oscillating mode only.
     """
     pole = frequency * complex(-damping, np.sqrt(1.0 - damping**2))
-    # partial fractions of w^2/((s - p)(s - p*)) are conjugate, so one of them is enough
-    return np.asarray(np.imag(pole * np.conj(_follow(time, x, pole))) / pole.imag, float)
+    # partial fractions: y = c f + (c f)* with f' = p (f - x) and c = -p*/(2 i Im p), p the pole
+    follower = _follow(time, x, pole)
+    return np.asarray(np.imag(pole * np.conj(follower)) / pole.imag, float)
 
 
 def low_pass(time: Array, x: Array, time_constant: float, second: float) -> Array:
@@ -60,6 +61,7 @@ def low_pass(time: Array, x: Array, time_constant: float, second: float) -> Arra
     if q > 0.25 and root > _LEAST_DIFFERENCE:
         frequency = 1.0 / (np.sqrt(q) * time_constant)
         return second_order(time, x, frequency, 0.5 / np.sqrt(q))
+    # two lags in a row, whose time constants T (1 +- root)/2 have the sum T and the product S
     root = max(root, _LEAST_DIFFERENCE)
     slow, fast = 0.5 * time_constant * (1.0 + root), 0.5 * time_constant * (1.0 - root)
     if fast <= 0.0:

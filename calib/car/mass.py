@@ -30,7 +30,7 @@ class MassUsed:
         if self.stated:
             difference = f"{100.0 * abs(excess):.2g} % {'above' if excess > 0.0 else 'below'}"
             return f"{mass}, as stated for these logs: {difference} the vehicle file"
-        if self.tolerance < Vehicle.mass_tolerance:
+        if self.tolerance < Vehicle.mass_tolerance:  # the default is for a load nobody knows
             return f"{mass} by the vehicle file"
         return f"{mass}: the load was not stated; give --mass, or mass_tolerance in the file"
 

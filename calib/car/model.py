@@ -12,7 +12,7 @@ from calib.car.effects.effects import Effects
 from calib.car.tyre import MagicFormula
 from calib.car.vehicle import Vehicle
 
-WET_ASPHALT = MagicFormula(stiffness=25.0, peak=0.9)  # of a passenger car; where none is known
+WET_ASPHALT = MagicFormula(stiffness=25.0, peak=0.9)  # a passenger car's; used if none is given
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ def with_model(vehicle: Vehicle, model: Model) -> Vehicle:
 
 
 def _require_valid(card: Card, values: Mapping[str, float], where: str) -> None:
-    """Raise ModelError if an effect does not have these parameters, with these ``values`` [SI]."""
+    """Raise ModelError for a parameter that is unknown, missing or out of range."""
     allowed = {parameter.name: parameter for parameter in card.parameters}
     for key in values:
         if key not in allowed:

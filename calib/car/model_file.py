@@ -146,10 +146,7 @@ def _user_defined(
 
 
 def write_model(model: Model, path: Path) -> None:
-    """Write a model file that `read_model` reads back exactly, with the same vehicle.
-
-    Raises OSError if ``path`` cannot be written.
-    """
+    """Write a model file that `read_model` reads back exactly, with the same vehicle."""
     import tomlkit
 
     effects = model.effects

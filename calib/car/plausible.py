@@ -64,12 +64,13 @@ def _figure_of_key(key: VehicleKey) -> _Figure:
 def _figure_of_row(row: dict[str, str]) -> _Figure:
     code, causes = row["code"], (texts_of(row["too_low"]), texts_of(row["too_high"]))
     # a row without a lower bound has that of the station
-    low, high = float(row["low"] or limit_of(code, "low")), float(row["high"] or math.inf)
+    low = float(row["low"] or limit_of(code, "low"))
+    high = float(row["high"] or math.inf)
     return _Figure(code, _FIGURE_OF[code], low, high, *causes, row["do"])
 
 
 _FIGURES = (
-    *(_figure_of_key(key) for key in KEYS if key.too_low),
+    *(_figure_of_key(key) for key in KEYS if key.too_low),  # keys with causes are judged
     *map(_figure_of_row, rows("figures.csv", "calib.car")),
 )
 

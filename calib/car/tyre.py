@@ -6,11 +6,11 @@
       |  / slope K
       +-/----------------> lambda
 
-F is the tyre force over the load F_z of the axle, lambda the slip, x the slip without b and s. K
-and mu hold at a load of half the weight W. At the load F_z, the slip is multiplied by
-s = (2 F_z/W)^q and mu by (2 F_z/W)^-p. The formula is straight near zero slip, and the bend b
-curves it there. A brush model has F = K lambda (1 - K lambda/(3 mu) + ...), since a part of its
-contact patch slides at any slip: this is b = C/3.
+F is the tyre force over the load F_z of the axle, lambda the slip. At a load of half the weight W
+the tyre has K and mu, and lambda = x if there is no bend (b = 0). At the load F_z, the slip is
+multiplied by s = (2 F_z/W)^q and mu by (2 F_z/W)^-p. The formula F(x) is straight near zero slip,
+and the bend b curves it there. A brush model has F = K lambda (1 - K lambda/(3 mu) + ...), since
+the rear end of its contact patch slides even at very small slip: this is b = C/3.
 
 This is the steady state. The force builds up over the relaxation length sigma, so the slip of the
 wheel is larger than the slip that carries the force by (sigma/v) dlambda/dt.
@@ -42,11 +42,11 @@ class MagicFormula:
     peak_exponent: float = 0.0  # p [1]
 
     def peak_at(self, relative_load: Array | float) -> Array | float:
-        """The largest normalised force [1] at an axle load over half the weight [1]."""
+        """The largest normalised force [1]; ``relative_load`` is axle load over half the weight."""
         return self.peak * relative_load**-self.peak_exponent if self.peak_exponent else self.peak
 
     def force(self, slip: Array, relative_load: Array | float = 1.0) -> Array:
-        """Normalised force F [1] at braking ``slip`` [1] and an axle load over half the weight [1].
+        """Normalised force F [1] at braking ``slip`` [1]; ``relative_load`` as in `peak_at`.
 
         F is odd in the slip, and valid beyond the peak too, but not for a locked, hot wheel.
         """
@@ -87,7 +87,7 @@ class MagicFormula:
         return np.asarray(slip + lag * np.gradient(slip, time))
 
     def slip_at(self, fraction: float, relative_load: Array | float = 1.0) -> Array:
-        """Slip [1] where C atan(B x) is this ``fraction`` of pi/2, its value at the peak."""
+        """Slip [1] at which C atan(B x) = ``fraction`` pi/2; the peak has the fraction 1."""
         bx = np.tan(0.5 * np.pi * fraction / self.shape)
         return self._slip_of(bx, self.peak_at(relative_load), self._load_factor(relative_load))
 

@@ -26,7 +26,7 @@ from calib.base.bounded import TYRE, bytes_of
 from calib.base.digest import file_digest
 from calib.base.errors import TyreError
 
-# range for tyres of cars and vans, and default value (... if there is none) of each key
+# each key: least and largest value for tyres of cars and vans, and default (...: must be given)
 _SCALE, _ANY = (0.1, 10.0, 1.0), (-math.inf, math.inf, 0.0)
 _KEYS = {
     "FNOMIN": (500.0, 30000.0, ...), "LFZO": _SCALE,
@@ -74,8 +74,8 @@ class TyreFile:
                 f"at {load:.0f} N, the load of a wheel of this car, stiffness over load is "
                 f"{stiffness:.3g} and the peak {peak:.3g}",
                 where=self.source,
-                expected=f"a load within a third and three times {load / over_nominal:.0f} N, a "
-                "stiffness of 2 to 200, and a peak of 0.1 to 3",
+                expected=f"a load between a third of and three times {load / over_nominal:.0f} N, "
+                "a stiffness of 2 to 200, and a peak of 0.1 to 3",
                 do="give the file of a tyre of this car; check FNOMIN and the scale factors",
             )
         return stiffness, peak
@@ -88,16 +88,16 @@ class TyreFile:
         x = np.linspace(0.0, 20.0, 4001)  # B slip, with B = K/(C mu)
         force = np.sin(C * np.arctan(x - min(E, 1.0) * (x - np.arctan(x))))  # E > 1 is no tyre
         count = int(np.argmax(force)) + 1  # of samples up to the peak
-        return force[:count], C * x[:count]
+        return force[:count], C * x[:count]  # K slip/mu = C B slip
 
     def radius_load(self, load: float) -> float | None:
-        """-dR_e/dF_z F_z/R_0 [1] at a wheel ``load`` F_z [N]; None if keys of R_e are missing."""
+        """-(F_z/R_0) dR_e/dF_z [1], the fall of R_e with load; None without the keys of R_e."""
         k, over_nominal = self.keys, self.over_nominal(load)
         needed = ("UNLOADED_RADIUS", "VERTICAL_STIFFNESS", "BREFF", "DREFF")
         if not all(k[key] > 0.0 for key in needed):
             return None
         slope = k["DREFF"] * k["BREFF"] / (1.0 + (k["BREFF"] * over_nominal) ** 2) + k["FREFF"]
-        return load / k["VERTICAL_STIFFNESS"] * slope / k["UNLOADED_RADIUS"]
+        return load / k["VERTICAL_STIFFNESS"] * slope / k["UNLOADED_RADIUS"]  # slope = -c_z dR_e/dF
 
 
 def _read(path: Path | str) -> TyreFile:

@@ -62,9 +62,9 @@ def mean_inverse(share: Array, weights: Array) -> Array:
     position -= cell  # within the cell, 0 to 1
     mean = np.zeros_like(u)
     for x_over_u, rises, weight in zip(_X_OVER_U, _RISES, weights.T, strict=True):
-        form = rises.take(cell)  # operations in place keep one form in the cache
-        form *= position
-        form += x_over_u.take(cell)
-        form *= weight[:, None]
-        mean += form
+        ratio = rises.take(cell)  # X/u of a form; operations in place keep it in the cache
+        ratio *= position
+        ratio += x_over_u.take(cell)
+        ratio *= weight[:, None]
+        mean += ratio
     return np.asarray(np.copysign(u, share) * mean)

@@ -113,11 +113,11 @@ def require_same_car(
     may_differ = {*UNCERTAINTIES, "front.pad_friction", "rear.pad_friction"}
     if weighed:
         may_differ.add("mass")
-    of_table, actual = _numbers(car), _numbers(other)
+    numbers, other_numbers = _numbers(car), _numbers(other)
     differences = [
-        f"{key} {actual[key]:.6g} for {value:.6g}"
-        for key, value in of_table.items()
-        if key not in may_differ and actual[key] != value
+        f"{key} {other_numbers[key]:.6g} for {value:.6g}"
+        for key, value in numbers.items()
+        if key not in may_differ and other_numbers[key] != value
     ]
     if differences:
         flaw = f"the table was fitted for another car: {', '.join(differences[:4])}"

@@ -65,6 +65,7 @@ _ChassisSection: Any = section(
 _AxleSection: Any = section(
     "_AxleSection", "One axle, as in `Axle`; every value is for one wheel.", _keys_of(FRONT), _Axle
 )
+_Parameter = Annotated[float, QuantityMark(None, -1e12, 1e12)]  # a quantity of any unit
 
 
 class VehicleFile(FileSchema):
@@ -77,9 +78,7 @@ class VehicleFile(FileSchema):
     chassis: _ChassisSection
     front: _AxleSection
     rear: _AxleSection
-    effects: dict[str, dict[str, Annotated[float, QuantityMark(None, -1e12, 1e12)]]] = Field(
-        default_factory=dict
-    )
+    effects: dict[str, dict[str, _Parameter]] = Field(default_factory=dict)
 
 
 def read_vehicle(path: Path | str) -> Vehicle:

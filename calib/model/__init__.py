@@ -1,1 +1,1 @@
-"""A ramp and a drive as a model predicts them; below fit and estimate."""
+"""A ramp as the model of a car has it, and simulated drives: inputs of fit and estimation."""

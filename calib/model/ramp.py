@@ -43,15 +43,15 @@ class _FitSettings:
     late: float = 0.15
     """Time after a change faster than ``fastest`` for which blocks take no part either [s]."""
     disturbance_of_eta: float = 0.12
-    """Departure of eta from its smooth course over its range on the ramp, from which on a block is
-    disturbed: a gear shift of 240 N m moves eta by a third of the range, a bump by all of it."""
+    """A block is disturbed if eta departs from its smooth course by more than this share of the
+    range of eta: a gear shift of 240 N m moves eta by a third of the range, a bump by all of it."""
     disturbance_of_force: float = 0.03
-    """The same for the departure of the demanded brake force over its largest value."""
+    """The same of the demanded brake force, as a share of its largest value."""
     disturbance_gate: float = 6.0
-    """A smaller departure of eta or force over the usual scatter is no disturbance."""
+    """A departure of eta or force below this many of its standard deviations is no disturbance."""
     fewest_blocks: int = 20
-    """With fewer braked blocks no disturbance is looked for. A disturbance needs a fifth of this
-    number of calm blocks before it, after it, and at more force than it has."""
+    """Disturbances are looked for from this number of braked blocks on. A fifth of this number must
+    be calm before a disturbance, after it, and at a larger brake force."""
     disturbance_share: float = 0.3
     """If a larger share of the braked blocks is disturbed, the cause is the car: all take part."""
     flat: float = 0.1
@@ -92,8 +92,9 @@ class RampRun:
 
     def log_odds(self, p_f: Array, p_r: Array) -> Array:
         """ln of front over rear pressure [1], infinite where one axle brakes alone."""
-        infinity = {"f": np.inf, "r": -np.inf, None: 0.0}[self.only]
-        return np.asarray(np.log(np.maximum(p_f, 1.0) / np.maximum(p_r, 1.0)) + infinity)
+        if self.only is not None:
+            return np.full_like(p_f, np.inf if self.only == "f" else -np.inf)
+        return np.asarray(np.log(np.maximum(p_f, 1.0) / np.maximum(p_r, 1.0)))
 
     def quasi_static(self, vehicle: Vehicle) -> Array:
         """Deceleration [1] (k,) at which a car without effects has these axle loads, by (6)."""
@@ -131,16 +132,16 @@ def sort_runs(runs: Sequence[Run]) -> tuple[list[Run], list[Run], list[Run]]:
     purposes = {run: FIT if run.events else COAST for run in ordered}
     reasons = {run: unusable(run, purposes[run], (REFUSE,)) for run in ordered}
     fast = [run for run in braked if any(reason.code == "ramp_rise" for reason in reasons[run])]
-    stops = fast if len(fast) < len(braked) else []
-    purposes |= dict.fromkeys(stops, VALIDATE)
+    stops = fast if len(fast) < len(braked) else []  # a fit needs one ramp
+    purposes |= dict.fromkeys(stops, VALIDATE)  # judged again, as hold-outs
     reasons |= {run: unusable(run, VALIDATE) for run in stops}
     ramps = [run for run in braked if run not in stops]
     all_reasons = [reason for run in ordered for reason in reasons[run]]
     if all_reasons:
         # a mistake that all logs share is reported once, for the log that shows its cause
         cause = unexplained(all_reasons)[0]
-        run = next(run for run in ordered if any(reason is cause for reason in reasons[run]))
-        require_none(reasons[run], run, purposes[run])
+        flawed = next(run for run in ordered if any(reason is cause for reason in reasons[run]))
+        require_none(reasons[flawed], flawed, purposes[flawed])
     if not ramps:
         where = ", ".join(run.log.source for run in runs)
         expected = "at least one ramp: 1 s unbraked, then pressure rising over 3 to 8 s"
@@ -161,7 +162,7 @@ def prepare(run: Run, effects: Effects, accelerometer: Accelerometer | None = No
     These blocks take no part in a fit:
     * blocks in which an axle would lift, by a glitch of a_x: their loads are NaN;
     * blocks between the lead-in and the bite, and after a release: the pads may touch;
-    * blocks so long after the lead-in that the zeros of eta and slip are lost (`calib.run.noise`);
+    * blocks of the lead-in that are too old for the zeros of eta and slip (`calib.run.noise`);
     * blocks in which, or just before which, the pressure changes fast.
     """
     vehicle, b, noise = run.car, run.felt(accelerometer), run.noise
@@ -184,18 +185,18 @@ def prepare(run: Run, effects: Effects, accelerometer: Accelerometer | None = No
         accelerometer=accelerometer,
         only=run.alone,
     )
-    # noise densities of eta and slip [s^0.5]; blocks slower than the bounds take no part
+    # noise densities of eta and slip [s^0.5], without a division by zero at rest
     omega = np.maximum(b.omega_f, 1.0)
     eta_density = np.asarray(np.sqrt(2.0) * noise.omega / omega)
-    is_zeroed = np.isfinite(sigma_growth(b.end, b.lead_in, eta_density))
+    is_recent = np.isfinite(sigma_growth(b.end, b.lead_in, eta_density))
     if ramp.slip is not None:
         speed = np.maximum(b.speed, SETTINGS.min_speed)
         slip_density = np.asarray(np.hypot(noise.v / speed, noise.omega / omega))
-        is_zeroed |= np.isfinite(sigma_growth(b.end, b.lead_in, slip_density))
+        is_recent |= np.isfinite(sigma_growth(b.end, b.lead_in, slip_density))
     B_f, B_r = nominal_forces(vehicle, ramp, 0.0)
     rate = np.abs(np.gradient((B_f + B_r) / vehicle.weight, b.end))  # [g/s]
     is_steady = time_since(b.end, rate > SETTINGS.fastest) > SETTINGS.late
-    return replace(ramp, use=ramp.use & is_zeroed & (b.lead_in | is_steady))
+    return replace(ramp, use=ramp.use & is_recent & (b.lead_in | is_steady))
 
 
 def pad_scale(run: RampRun, B_f: Array, B_r: Array) -> float:

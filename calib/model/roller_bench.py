@@ -97,7 +97,8 @@ class RollerBench:
         name = AXLE_NAMES[axle]
         rows: AxleOnRollers = getattr(self, name)
         brake: Axle = getattr(vehicle, name)
-        pressure, force = np.array(sorted(zip(rows.pressure, rows.force, strict=True))).T
+        by_pressure = sorted(zip(rows.pressure, rows.force, strict=True))
+        pressure, force = np.array(by_pressure).T  # (n,) each
         nominal, mean = _nominal(vehicle, axle, pressure, self.source), float(force.mean())
         x = nominal - nominal.mean()  # [N]
         spread = max(float(np.linalg.norm(x)), _LEAST_SPREAD)
@@ -113,7 +114,8 @@ class RollerBench:
                 expected=f"rows on a line, whose slope is known to {100 * _LARGEST_SIGMA:g} %",
                 do="leave out rows where the wheels slip on the rollers; measure more pressures",
             )
-        least, most, friction = _FRICTION.least, _FRICTION.most, slope * brake.pad_friction
+        least, most = _FRICTION.least, _FRICTION.most
+        friction = slope * brake.pad_friction
         if not least <= friction <= most:
             flaw = f"the brake force of the {name} axle asks for a pad friction of {friction:.3g}"
             keys = "piston_area, effective_radius and friction_faces of the vehicle file"

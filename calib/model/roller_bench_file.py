@@ -45,8 +45,8 @@ class _AxleRows(Section):
             raise wrong(flaw, "a force of both wheels for each pressure")
         count = len(set(self.p_mc))
         if count < _FEWEST:
-            expected = f"{_FEWEST} different ones or more, for slope, threshold and scatter"
-            raise wrong(counted(count, "pressure"), f"{expected} of the forces")
+            expected = f"{_FEWEST} or more, for slope, threshold and scatter of the forces"
+            raise wrong(counted(count, "different pressure"), expected)
         lowest, bite = from_si(min(self.p_mc), "bar", "Pa"), from_si(BITE, "bar", "Pa")
         if lowest < bite:
             do = "leave that row out: the brakes hardly bite there"

@@ -28,10 +28,10 @@ from calib.run.driving_record import SETTLE
 from calib.run.pedal import as_pressed
 
 STEP = 0.005
-"""Longest step of the solver [s]. The backward difference of the wheels' speed is half a step late,
-and so is their momentum: with rotating masses of 4 %, a change of 5 m/s^2 puts v off by 0.0005 m/s.
-A step of 0.025 s puts it off by 0.0024 m/s, which a noise-free log shows
-(tests/model/test_replay.py)."""
+"""Longest step dt of the solver [s]. The backward difference of the wheel speeds is dt/2 late. A
+change b of the deceleration then puts v off by m b dt/2, with the share m of rotating masses: by
+0.0005 m/s for b = 5 m/s^2 and m = 4 %. With dt = 0.025 s, v would be off by 0.0024 m/s, which a
+noise-free log shows (tests/model/test_replay.py)."""
 
 _FIRST_SECONDS, COAST_SECONDS = 0.25, 1.5
 """Shortest and longest time over which the first speed is fitted by a line [s]. Within 0.25 s a
@@ -83,7 +83,7 @@ def simulate(
     >>> ramp = np.clip(5e5 * (time - 1.5), 0.0, None)  # 5 bar/s after 1.5 s of rolling
     >>> log = calib.simulate(calib.default_model(car), time, ramp, v0=30.0)
     >>> log.notes
-    ('ends with its pressure at 3.995 s',)
+    ('ends at 3.995 s, where its pressure ends',)
     >>> wheel = car.front.torque_gain * car.front.pad_friction * ramp  # (3)
     >>> bool(np.allclose(log.truth["true_Tb_fl"], wheel))
     True
@@ -94,13 +94,13 @@ def simulate(
     if time.size < 2 or not np.all(np.diff(time) > 0.0):
         raise ModelError("time does not increase", expected="two samples or more, increasing")
     clock, samples = fine_clock(time)
-    p_mc = _interpolated(time, clock, {"p_mc": pressure}, ("p_mc",))["p_mc"]
+    lines = _interpolated(time, clock, {"p_mc": pressure}, ("p_mc",))
     p_wheels = _interpolated(time, clock, wheel_pressure, WHEELS)
     discs = _interpolated(time, clock, temperature, AXLES)
     engine = _interpolated(time, clock, drive_torque, AXLES)
     angle = _interpolated(time, clock, wheel_angle, AXLES)
     driven = replace(model, vehicle=as_driven(model.vehicle, model.effects))
-    inputs = constant_speed(clock, p_mc, v0, discs, name, start_heat)
+    inputs = constant_speed(clock, lines["p_mc"], v0, discs, name, start_heat)
     no_torque = np.zeros_like(clock)
     torque = (engine.get("f", no_torque), engine.get("r", no_torque))
     run = Drive(brakes_of(driven, inputs, p_wheels), inputs, v0, stop_speed, torque, angle)
@@ -157,8 +157,9 @@ def first_speed(log: Log, vehicle: Vehicle, delay: float = 0.0) -> float:
     """Speed [m/s] at the first sample, from a straight line through the first samples of ``v``.
 
     Without ``v`` the line goes through the mean of R omega over the wheels, which is too low by
-    their slip if the log begins with braking. ``delay`` is that of ``v`` [s]. Raises LogError if
-    there are not two finite samples.
+    their slip if the log begins with braking. ``v`` is read late by ``delay`` [s]: the first speed
+    shows only then. Without ``p_mc`` the log counts as braked from its first sample. Raises
+    LogError if there are not two finite samples.
     """
     elapsed = log.time - log.time[0]
     braked = np.flatnonzero(log["p_mc"] > BITE) if "p_mc" in log else np.array([0])
@@ -205,7 +206,7 @@ def _channels(run: Drive, state: SolverState, history: RunHistory) -> dict[str, 
     model, brakes, effects = run.brakes.model, run.brakes, run.brakes.model.effects
     a_x = as_read(model.vehicle, effects, history, -G * state.z)
     channels = {"time": run.time, "p_mc": run.inputs.p_mc, "a_x": a_x}
-    v = run.moving(state.v)
+    v = run.bounded(state.v)
     motion = Motion(v, *state.loads, history)
     factors = wheel_speed_factors(model.vehicle, effects, motion)
     for w in WHEELS:

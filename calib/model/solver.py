@@ -40,18 +40,18 @@ TOLERANCE = 1e-9  # largest change of the slip, and of v over v0, in the last it
 _ITERATIONS = 60  # each gains one to two digits; 30 s of coasting need about twelve
 _LEAST_LOAD = 0.01  # share of the weight below which an axle counts as lifted [1]
 _EDGE = 0.999
-"""Share of the rising branch that is used [1], as `MagicFormula.slip_at` takes it. The force there
+"""Fraction, as `MagicFormula.slip_at` takes it, at which the rising branch is cut. The force there
 is within 2e-6 of the peak, and the slope is still positive, so the equations can be solved."""
 
 
 def rising_branch(
     tyre: MagicFormula, slip: Array, relative_load: Array
 ) -> tuple[Array, Array, Array]:
-    """Normalised force [1], its slope by slip [1], and the share of the rising branch used [1].
+    """Normalised force [1], its slope by slip [1], and the slip over that of the cut `_EDGE` [1].
 
-    ``relative_load`` is the axle load over half the weight [1]; shapes (n,). Beyond the end of the
-    branch, where the share is above 1, the force goes on linearly: that helps the solver to
-    converge, and is not physical.
+    ``relative_load`` is the axle load over half the weight [1]; shapes (n,). Beyond the cut, where
+    the third result is above 1, the force goes on linearly: that helps the solver to converge, and
+    is not physical.
     """
     edge = tyre.slip_at(_EDGE, relative_load)
     clipped = np.clip(slip, -edge, edge)
@@ -79,14 +79,14 @@ class Drive:
     def total(self, force: Mapping[str, Array]) -> Array:
         """Sum of the ``force`` of four wheels [N] (n,); a left one alone stands for both sides."""
         # each axle is summed first, so that two equal wheels give the same sum to the last bit
-        axles = [force[f"{a}l"] + force.get(f"{a}r", force[f"{a}l"]) for a in AXLES]
-        return axles[0] + axles[1]
+        left_f, left_r = force["fl"], force["rl"]
+        return (left_f + force.get("fr", left_f)) + (left_r + force.get("rr", left_r))
 
     def speed(self, z: Array) -> Array:
         """Speed v [m/s] (n,): v0 minus the integral of g z, by the trapezoidal rule."""
         return self.v0 - integral(self.time, G * z)
 
-    def moving(self, v: Array) -> Array:
+    def bounded(self, v: Array) -> Array:
         """Speed v [m/s] (n,) with a positive lower bound, for the samples after the stop."""
         return np.maximum(v, 0.5 * self.stop_speed)
 
@@ -102,7 +102,7 @@ class SolverState:
     torque: dict[str, Array]  # of the brake [N m]
     load: dict[str, Array]  # [N]
     force: dict[str, Array]  # of the tyre [N]
-    used: dict[str, Array]  # share of the rising branch [1]; above 1 it is not physical
+    used: dict[str, Array]  # slip over that of the cut `_EDGE` [1]; not physical above 1
 
 
 def solve(run: Drive) -> SolverState:
@@ -129,7 +129,7 @@ def history_of(run: Drive, state: SolverState) -> RunHistory:
     """The run as input of the effects, with wheel angles and dissipated heat."""
     if not run.brakes.model.effects:
         return run.inputs
-    v = run.moving(state.v)
+    v = run.bounded(state.v)
     angle, energy = {}, {}
     for a in AXLES:
         axle, wheels = run.brakes.axle(a), [w for w in state.slip if w[0] == a]
@@ -160,7 +160,7 @@ def end_of(run: Drive, state: SolverState) -> tuple[int, str]:
         is_beyond[f"wheel {w} would pass the peak of its tyre"] = used > 1.0
     first = {limit: int(np.argmax(mask)) for limit, mask in is_beyond.items() if np.any(mask)}
     if not first:
-        return run.time.size, f"ends with its pressure at {run.time[-1]:.3f} s"
+        return run.time.size, f"ends at {run.time[-1]:.3f} s, where its pressure ends"
     end = min(first.values())
     reasons = ", ".join(limit for limit, index in first.items() if index == end)
     pressure = max(p[end] for p in run.brakes.clamp.values()) / BAR
@@ -175,16 +175,17 @@ def _initial_state(run: Drive) -> SolverState:
     z = run.total(force) / vehicle.weight
     slip = dict.fromkeys(force, np.clip(z / run.brakes.model.tyre.stiffness, -0.02, 0.02))
     loads = forces.axle_loads(vehicle, z)
-    return SolverState(run.speed(z), z, loads, slip, torque, {}, force, {})
+    return SolverState(run.speed(z), z, loads, slip, torque, load={}, force=force, used={})
 
 
 def _iterate(run: Drive, old: SolverState) -> SolverState:
     """Compute loads (6), (7), effects, one Newton step of (1) for each wheel, z by (5), and v."""
     model, vehicle = run.brakes.model, run.brakes.model.vehicle
-    history, v = history_of(run, old), run.moving(old.v)
+    history, v = history_of(run, old), run.bounded(old.v)
     loads = [np.maximum(load, _LEAST_LOAD * vehicle.weight) for load in _loads(run, old.z, history)]
     motion = Motion(v, loads[0], loads[1], history)
-    moments = np.subtract(total_axle_moment(vehicle, model.effects, motion), run.drive_torque)
+    other_moments = total_axle_moment(vehicle, model.effects, motion)
+    moments = np.subtract(other_moments, run.drive_torque)  # of the axles (2, n)
     torque = run.brakes.torques(history)
     slip, load, force, used = {}, {}, {}, {}
     for w, T_b in torque.items():
@@ -206,7 +207,7 @@ def _next_slip(run: Drive, w: str, moment: Array, load: Array, old: SolverState)
     from scipy.linalg.lapack import dtbtrs
 
     model, axle = run.brakes.model, run.brakes.axle(w)
-    slip, v, step = old.slip[w], run.moving(old.v), np.diff(run.time)
+    slip, v, step = old.slip[w], run.bounded(old.v), np.diff(run.time)
     omega = forces.wheel_speed(axle, slip, v)
     first = -G * old.z[0] * omega[0] / v[0]  # the first sample has a constant slip
     spin = np.concatenate([[first], np.diff(omega) / step])  # d omega/dt [rad/s^2]

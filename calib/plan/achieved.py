@@ -36,7 +36,7 @@ def widths_of(table: Table) -> HalfWidths:
     pads = table.calibration
     axles = (pads.pad_friction_f, pads.pad_friction_r)
     front, rear = (Z95 * pad.sigma / pad.value for pad in axles)
-    return HalfWidths(front, rear, Z95 * math.sqrt(sum(table.budget.level.values())))
+    return HalfWidths(front, rear, Z95 * math.sqrt(sum(table.budget.level.values())))  # variances
 
 
 @dataclass(frozen=True)

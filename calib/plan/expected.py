@@ -56,10 +56,7 @@ def prior_of(
     table: Table | None = None,
     logs: Sequence[Log] = (),
 ) -> Prior:
-    """Return the prior from ``logs`` of a car, or else from its ``table``, or else from its file.
-
-    Raises as `calib.fitting.fit` does.
-    """
+    """Return the prior from ``logs``, else a ``table``, else the file. Raises as `fit` does."""
     if logs:
         table = fit(vehicle, list(logs))
         sensors = sensors | {name for log in logs for name in log.channels}
@@ -68,9 +65,10 @@ def prior_of(
         ratio = Value(CAR.log_pad_ratio.mean, CAR.log_pad_ratio.sigma)
         stiffness = Value(math.log(WET_ASPHALT.stiffness), _UNKNOWN_TYRES)
         return Prior(vehicle, track, sensors, level, ratio, stiffness, LEVELS)
-    pads, noise = table.calibration, noise_of(table.noise)
+    pads = table.calibration
     level, stiffness = _logarithm(pads.pad_scale), _logarithm(pads.slip_stiffness)
-    return Prior(vehicle, track, sensors, level, pads.pad_log_ratio, stiffness, noise, tuple(logs))
+    prior = Prior(vehicle, track, sensors, level, pads.pad_log_ratio, stiffness, LEVELS)
+    return replace(prior, noise=noise_of(table.noise), logs=tuple(logs))
 
 
 def _logarithm(x: Value) -> Value:
@@ -142,7 +140,7 @@ def on_rollers(vehicle: Vehicle, pads: tuple[float, float], seed: int) -> Roller
 
 def before_any_run(prior: Prior) -> HalfWidths:
     """Return the half widths by the prior of pads and mass alone."""
-    level = {"pads": prior.pad_level.sigma**2, "mass": prior.vehicle.mass_tolerance**2}
+    level = {"pads": prior.pad_level.sigma**2, "mass": prior.vehicle.mass_tolerance**2}  # variances
     ratio = {"ratio": prior.pad_ratio.sigma**2}
     axles = axle_parts(prior.vehicle, prior.pad_ratio.value, level, ratio)
     front, rear = (Z95 * math.hypot(*parts.values()) for parts in axles)

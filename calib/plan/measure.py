@@ -1,11 +1,11 @@
-"""The measures by which a car can be known better: runs to drive, and work in a workshop.
+"""The measures of `measures.csv`, by which a car can be known better.
 
-    p ^          ___        a ramp: lead-in 3 s, rise, hold 1 s, release
-      |        .'   |
+A measure is a run to drive, or work in a workshop. The pressure p of a ramp over time:
+
+    p ^          ___
+      |        .'   |         lead-in 3 s, rise, hold 1 s, release
       |______.'     |__
       +---------------> t
-
-`measures.csv` has a row for each measure.
 """
 
 from dataclasses import dataclass, replace
@@ -23,9 +23,7 @@ from calib.car.vehicle import Vehicle
 from calib.logs.log import Log
 from calib.model.simulate import simulate
 
-LEAD_IN, HOLD, RELEASE = 3.0, 1.0, 0.5
-"""Times of a ramp [s]. A fit zeroes eta over the last 3 s before the bite."""
-
+LEAD_IN, HOLD, RELEASE = 3.0, 1.0, 0.5  # times [s]; a fit zeroes eta over 3 s before the bite
 RATE = 100.0  # samples per second of a run; a fit takes means over blocks of 50 ms or more
 _SLOWEST = 5.0  # least speed at the end of a run [m/s]: a fit leaves out slower blocks
 
@@ -84,7 +82,7 @@ def pressure_trace(car: Vehicle, run: Measure) -> tuple[Array, Array]:
     if run.kind == "coast":
         time = np.arange(round(run.rise * RATE) + 1) / RATE
         return time, np.zeros_like(time)
-    corners = np.cumsum([0.0, LEAD_IN, run.rise, HOLD, RELEASE, RELEASE])
+    corners = np.cumsum([0.0, LEAD_IN, run.rise, HOLD, RELEASE, RELEASE])  # the last: rolling
     time = np.arange(round(corners[-1] * RATE) + 1) / RATE
     braked = [run.axle in ("", axle) for axle in AXLES]
     gain = np.sum(force_per_pressure(car), where=braked)  # [N/Pa]
@@ -100,7 +98,7 @@ def drive(model: Model, run: Measure, track: Track, sensors: frozenset[str]) -> 
     longer than the track, at whose end the car is nearly at rest, in which a tyre is beyond its
     peak, or with one axle alone and no sensors of wheel pressures.
     """
-    if run.axle and not sensors >= set(WHEEL_PRESSURES):
+    if run.axle and not sensors.issuperset(WHEEL_PRESSURES):
         raise ModelError(f"{run.text} needs {', '.join(sorted(WHEEL_PRESSURES))}")
     time, pressure = pressure_trace(model.vehicle, run)
     by_wheel = None

@@ -5,8 +5,9 @@
 A width below the wanted one counts as the wanted one. The first measure is the ramp with the
 greatest mean gain over several cars, each with its own noise. Each next measure has the greatest
 gain per second for the mean car. A measure that gained next to nothing is not tried again, since
-gains diminish with every measure. The widths of a plan are medians over several cars. Its floors
-are the widths of the mean car after the plan and all other possible measures but further ramps.
+gains diminish with every measure. The widths of a plan are medians over several cars. Its floors,
+which no plan can go below, are the widths of the mean car after the plan and all other possible
+measures, but without further ramps of both axles.
 """
 
 import math
@@ -89,6 +90,7 @@ def plan(prior: Prior, want: Want, workers: int = 1) -> Plan:
     """Find a plan, the same for any number of ``workers``. Raises LogError without a ramp."""
     with parallel_map(workers, "calib.plan.search") as in_parallel:
         medians = partial(_medians, in_parallel)
+        # before any measure, a fit has the earlier logs alone
         start = medians(prior, [()], 1)[0] if prior.logs else before_any_run(prior)
         search = _Search(prior, want, in_parallel)
         chosen = search.run(start)
@@ -102,8 +104,7 @@ def plan(prior: Prior, want: Want, workers: int = 1) -> Plan:
         if "v" not in prior.sensors:
             has_speed = replace(prior, sensors=prior.sensors | {"v"})
             with_speed = medians(has_speed, [chosen], _CARS)[0]
-    gains = search.gains.items()
-    not_worth = {m: gain for m, gain in gains if m not in chosen and gain < _WORTH}
+    not_worth = {m: gain for m, gain in search.gains.items() if m not in chosen and gain < _WORTH}
     return Plan(
         prior=prior,
         want=want,
@@ -118,8 +119,8 @@ def plan(prior: Prior, want: Want, workers: int = 1) -> Plan:
 
 
 def _times(sequence: _Sequence) -> list[float]:
-    """Return the time of each measure [s], with the turn before it."""
-    return [_time_after_another(m) if i else m.duration for i, m in enumerate(sequence)]
+    """Return the time of each measure [s], with the turn before each run but the first measure."""
+    return [*(m.duration for m in sequence[:1]), *map(_time_after_another, sequence[1:])]
 
 
 def _time_after_another(measure: Measure) -> float:
@@ -194,7 +195,8 @@ class _Search:
         by_time = sorted(chosen[fixed:], key=_time_after_another, reverse=True)
         shorter = [tuple(m for m in chosen if m != left_out) for left_out in by_time]
         outcomes = _outcomes(self.in_parallel, self.prior, shorter, 1)
-        for sequence, (_, (wider,)) in zip(shorter, outcomes, strict=True):
+        for sequence, (_, by_car) in zip(shorter, outcomes, strict=True):
+            (wider,) = by_car
             if self.want.met_by(wider) or self.want.gain(wider, widths) < _WORTH:
                 return self._pruned(sequence, widths)
         return chosen
@@ -233,8 +235,9 @@ def _outcomes(
     cases = [(number, sequence) for sequence in sequences for number in range(count)]
     outcomes = list(in_parallel(partial(_outcome, prior), cases))
     for i in range(0, len(outcomes), count):
-        reasons, widths = zip(*outcomes[i : i + count], strict=True)
-        yield next((reason for reason in reasons if reason), ""), list(widths)
+        by_car = outcomes[i : i + count]
+        reason = next((reason for reason, _ in by_car if reason), "")
+        yield reason, [widths for _, widths in by_car]
 
 
 def _outcome(prior: Prior, case: tuple[int, _Sequence]) -> tuple[str, HalfWidths]:

@@ -34,7 +34,7 @@ def _drag(parameters: Parameters, v: Array) -> Array:
 
 
 def _drag_load(vehicle: Vehicle, parameters: Parameters, history: RunHistory) -> Array:
-    """(1 - s) F h/(W L) [1] with the ``load_share`` s: load over W by which (6) is too large."""
+    """(1 - s) F h/(W L) [1]: by this share of W, (6) is too large; s is the ``load_share``."""
     share = parameters.get("load_share", 1.0)
     transfer_per_force = vehicle.cg_height / (vehicle.weight * vehicle.wheelbase)  # h/(W L) [1/N]
     return (1.0 - share) * transfer_per_force * _drag(parameters, history.v)

@@ -23,7 +23,7 @@ CATALOGUE: dict[str, Effect] = {name: _BY_NAME[name] for name in CARDS}
 LINE_EFFECTS = tuple(effect.card.name for effect in hydraulics.LINE)
 CALIPER_EFFECTS = tuple(effect.card.name for effect in hydraulics.CALIPER)
 SENSOR_EFFECTS = tuple(effect.card.name for effect in _IN_ORDER if effect.accelerometer is not None)
-"""Effects on the accelerometer: those on the felt acceleration come before those of the sensor."""
+"""Effects on the accelerometer in their order: gravity that it feels, then errors of the sensor."""
 
 
 @dataclass(frozen=True, kw_only=True)

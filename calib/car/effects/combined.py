@@ -167,7 +167,7 @@ def as_read(vehicle: Vehicle, effects: Effects, history: RunHistory, a_x: Array)
     """Reading of the accelerometer [m/s^2] (n,), with its lag, at the true ``a_x`` (n,)."""
     reading = as_sensed(vehicle, effects, history, a_x)
     for hook, parameters in _hooks(effects, "accelerometer_lag"):
-        T, S = hook(parameters)  # see `Effect`
+        T, S = hook(parameters)  # of S a'' + T a' + a = b
         if T > _NO_LAG:
             reading = low_pass(history.time, reading, T, S)
     return reading

@@ -1,12 +1,10 @@
 """An effect: a card that describes it, and functions that add it to the computation of a braking.
 
-Such a function is a hook. It acts on one link of this chain of computation. The upper line has the
-links, which are fields of `Effect`, the lower line says what a link computes:
+Such a function is a hook. It acts on one link of this chain of computation:
 
-    p_mc -> pressure -> friction -> wheels -> axle_moment -> tyre -> body_force -> accelerometer
-            caliper     pads        left,     wheels         slip    car           a_x as read
-                                    right
+    p_mc -> pressure -> friction -> wheels -> axle_moment -> slip -> body_force -> accelerometer
 
+Each link but p_mc and the tyres' slip is a field of `Effect`, where a comment says what it changes.
 Further links are numbers of the car (``inertia``, ``radius``, ``mass``, ``load_shift``) and other
 readings (``accelerometer_lag``, ``wheel_speed``, ``wheel_speed_delay``, ``speed_delay``).
 """
@@ -38,18 +36,18 @@ class Parameter:
     unit: str
     low: float
     high: float
-    typical: float  # mean over passenger cars
-    spread: float  # standard deviation over passenger cars
+    typical: float  # mean over passenger cars that have the effect
+    spread: float  # standard deviation over these cars
     default: float | None = None  # value if a file gives none; None if each file must give one
     share: bool = False  # whether the parameter divides something between the axles, from 0 to 1
 
     def __post_init__(self) -> None:
         """Raise ValueError for a name, unit or range with which no fit could search."""
         if not _NAME.fullmatch(self.name):
-            raise ValueError(f"{self.name!r} is no name_of_words")
+            raise ValueError(f"{self.name!r} is not a name in lower case, such as drag_area")
         if self.unit not in QUANTITIES:
             raise ValueError(f"{self.name}: unit {self.unit!r} is none of {', '.join(QUANTITIES)}")
-        values = (self.typical, self.typical if self.default is None else self.default)
+        values = [self.typical] if self.default is None else [self.typical, self.default]
         is_range = all(self.low <= value <= self.high for value in values)
         if not (is_range and 0.0 < self.spread < self.high - self.low < math.inf):
             expected = "low <= typical, default <= high and 0 < spread < high - low"
@@ -73,7 +71,8 @@ class Card:
         """Raise ValueError for an empty text, a name that occurs twice, or a wrong ``neutral``."""
         texts = (self.cause, self.equation, self.source, self.looks_like)
         if not (_NAME.fullmatch(self.name) and all(map(str.strip, texts))):
-            raise ValueError(f"{self.name!r} is no name_of_words, or a text of the card is empty")
+            expected = "a name in lower case, such as air_brake_flap, and no empty text"
+            raise ValueError(f"card {self.name!r}: expected {expected}")
         if len({p.name for p in self.parameters}) < len(self.parameters):
             raise ValueError(f"{self.name}: two parameters of one name")
         if self.parameters:  # an empirical term has none
@@ -81,7 +80,8 @@ class Card:
             is_possible = strength.low <= self.neutral <= strength.high
             if not is_possible or strength.typical == self.neutral:
                 limits = f"{strength.low:g} to {strength.high:g}"
-                raise ValueError(f"neutral {self.neutral:g}: not in {limits}, or typical")
+                expected = f"must lie within {limits} and differ from typical"
+                raise ValueError(f"neutral {self.neutral:g} {expected}")
 
 
 @dataclass(frozen=True)
@@ -115,7 +115,7 @@ class Effect:
     mass: Callable[[Parameters], float] | None = None
     # reading of a_x from the true a_x [m/s^2]
     accelerometer: Callable[[Vehicle, Parameters, RunHistory, Array], Array] | None = None
-    # T [s] and S [s^2] of S a'' + T a' + a = b: a is read where ``accelerometer`` alone gives b
+    # T [s] and S [s^2] of the reading a of a_x in S a'' + T a' + a = b, b without this lag
     accelerometer_lag: Callable[[Parameters], tuple[float, float]] | None = None
     # time [s] by which v is read late
     speed_delay: Callable[[Parameters], float] | None = None

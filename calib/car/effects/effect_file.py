@@ -86,10 +86,10 @@ def checked(effect: Effect, path: str) -> Effect:
     for link, hook in guarded.items():
         hook(*trial(link, typical))
         arguments = trial(link, {**typical, strength: neutral})
-        expected, result = _NEUTRAL_HOOKS[link](*arguments), hook(*arguments)
+        unchanged, result = _NEUTRAL_HOOKS[link](*arguments), hook(*arguments)
         if isinstance(result, dict):  # by wheel, perhaps not of all wheels
-            expected, result = [expected[w] for w in result], list(result.values())
-        if not np.allclose(expected, result, rtol=1e-9, atol=1e-9):
+            unchanged, result = [unchanged[w] for w in result], list(result.values())
+        if not np.allclose(unchanged, result, rtol=1e-9, atol=1e-9):
             flaw = f"{link} still does something at {strength} = {neutral:g}, the neutral strength"
             expected = "no effect there, for any value of other parameters"
             raise ModelError(flaw, where=_begin(path, hooks[link]), expected=expected)
@@ -112,7 +112,8 @@ _NEUTRAL_HOOKS: dict[str, Callable[..., Any]] = {
     "speed_delay": lambda parameters: 0.0,
     "wheel_speed_delay": lambda parameters: 0.0,
 }
-"""A hook without effect for each link, with the arguments and the form of result of that link."""
+"""A hook without effect for each link. Hooks of a link have its form of result and its arguments,
+which `trial` makes by their names here."""
 
 
 def _guarded(link: str, hook: Callable[..., Any], path: str) -> Callable[..., Any]:
@@ -164,11 +165,9 @@ def _form(value: Any) -> str:
     return f"shape {np.shape(value)}" if isinstance(value, np.ndarray) else repr(value)
 
 
-_CAR = Vehicle(  # Tables I and II of the paper
-    *("trial", 1744.0, 1.1556, 1.6494, 0.615, 1.55),
-    front=Axle(0.322, 1.2, 28.84e-4, 0.1309, 2, 0.38),
-    rear=Axle(0.322, 1.1, 11.34e-4, 0.124, 2, 0.38),
-)
+_FRONT = Axle(0.322, 1.2, 28.84e-4, 0.1309, 2, 0.38)  # Tables I and II of the paper
+_REAR = Axle(0.322, 1.1, 11.34e-4, 0.124, 2, 0.38)
+_CAR = Vehicle("trial", 1744.0, 1.1556, 1.6494, 0.615, 1.55, _FRONT, _REAR)
 
 
 def trial(link: str, parameters: Mapping[str, float]) -> tuple[Any, ...]:

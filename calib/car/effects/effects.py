@@ -35,7 +35,7 @@ class EmpiricalTerm:
 
 @dataclass(frozen=True)
 class DefinedIn:
-    """The Python file of an effect of the user."""
+    """Name and digest of the Python file that defines an effect of the user."""
 
     file: str  # name without folder
     sha256: str = ""
@@ -45,8 +45,9 @@ class DefinedIn:
 class Effects:
     """The effects that act in a car in addition to the paper's model.
 
-    ``user_defined`` has the effects of the user by name, whether they act or not: a `DefinedIn`, or
-    an `OwnEffect` of `calib.car.effects.catalogue` if the file was given.
+    ``user_defined`` has the effects of the user by name, whether they act or not. If the file of an
+    effect was read, it is an `OwnEffect` of `calib.car.effects.catalogue`, which has the equations;
+    otherwise it is a `DefinedIn`, which only names the file.
     """
 
     parameters: _ByEffect = field(default_factory=dict)  # values [SI]

@@ -22,7 +22,7 @@ PLACES = {
     "rear_wheels": "rear",
     "body": "body",
 }
-"""Places on which a term can act, and the axles of each place, a key of `AXLES_OF`."""
+"""Places on which a term can act, and the part of the car there, as in `AXLES_OF`."""
 
 DRIVERS = {
     "pressure": "Pa",
@@ -41,8 +41,7 @@ run. The temperature is that of the discs of an axle in `AXLES_OF`.
 """
 
 AXLES_OF = {"front": "f", "rear": "r", "both": "fr", "body": "f"}
-"""Axles whose discs a term reads. A term on the body reads those in front, which take most heat."""
-
+"""Axles whose discs give the temperature of a term, by part of the car. Front discs heat most."""
 
 _TEXTS = ("not known", "linear between knots", "the runs it was fitted to", "their residual")
 _CARD = Card("empirical_term", *_TEXTS, parameters=())

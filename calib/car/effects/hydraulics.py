@@ -73,8 +73,8 @@ def _of_both(filtered: Callable[[Array], Array], p_f: Array, p_r: Array) -> Pair
 def _oscillating(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
     """Pressures after a lag of second order that overshoots, with T = 1/w of the undamped mode.
 
-    They are in steady state at the first sample, and an overshoot does not take them below zero.
-    For a strongly damped line use `hydraulic_lag`.
+    They are in steady state at the first sample. An overshoot does not take them below zero, or
+    below a negative input (sensor noise). For a strongly damped line use `hydraulic_lag`.
     """
     T, damping = parameters["response_time"], parameters["line_damping"]
     if T <= 0.0:
@@ -99,17 +99,17 @@ def behind_valve(p: Array, knee: float, slope: float) -> Array:
 def _above_threshold(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
     """Pressures less the threshold of each axle; negative pressures (noise) keep their sign.
 
-    ``threshold`` is the larger one. ``threshold_rear_share`` is 0 for the front axle alone, 1 for
-    the rear axle alone, by default 0.5 for equal thresholds. A negative threshold -t describes a
-    sensor that reads t too little: t is added, or p where p is smaller, so that a released brake
-    stays released.
+    ``threshold`` is that of the axle with the larger one. ``threshold_rear_share`` sets that of the
+    other axle: 0.5, the default, gives both the same, 0 the front axle alone, 1 the rear axle
+    alone. A negative threshold -t describes a sensor that reads t too little: it adds t to p, or
+    |p| if this is smaller, so that a released brake stays released.
     """
     larger, share = parameters["threshold"], parameters.get("threshold_rear_share", 0.5)
     front, rear = larger * min(1.0, 2.0 - 2.0 * share), larger * min(1.0, 2.0 * share)
-    return _above(p_f, front), _above(p_r, rear)
+    return _less_threshold(p_f, front), _less_threshold(p_r, rear)
 
 
-def _above(p: Array, threshold: float) -> Array:
+def _less_threshold(p: Array, threshold: float) -> Array:
     if threshold < 0.0:
         return np.asarray(p + np.minimum(np.abs(p), -threshold))
     return np.asarray(p - np.clip(p, -threshold, threshold))
@@ -130,10 +130,11 @@ def _denoised_loop(p: Array, u: float, r: float) -> Array:
     """`hysteresis_loop`, where changes of ``p`` within the band of its noise do not count.
 
     Otherwise noise would raise c step by step at a constant pressure. The result is exact without
-    noise. With noise, a c that is constant is too low by at most twice the band, since a peak
-    counts one band less.
+    noise. With noise, a peak of the pressure counts as lower by one band, so a constant c after the
+    peak comes out too low, by two bands at most.
     """
-    # sigma of third differences: sqrt(20) times that of white noise, less if p was smoothed
+    # Third differences of white noise have sqrt(20) times its sigma, so the band is 13 sigma wide.
+    # The band is not divided by sqrt(20), since smoothed noise has smaller third differences.
     sigma = np.median(np.abs(np.diff(p, 3))) / QUARTILE if p.size > 3 else 0.0
     band = min(3.0 * float(sigma), _MAX_NOISE_BAND)
     steady = _play(p - band, p + band, p[0])
@@ -185,9 +186,9 @@ def residual_clamp(time: Array, p: Array, limit: float, drain: float) -> Array:
     [Pa] are (n,); ``limit`` [Pa], ``drain`` [s].
     """
     applied = np.where(p > BITE, np.minimum(p, limit), 0.0)
-    log_grown = np.log(np.maximum(applied, 1e-30)) + (time - time[0]) / drain
+    log_grown = np.log(np.maximum(applied, 1e-30)) + (time - time[0]) / drain  # no logarithm of 0
     residual = np.exp(np.maximum.accumulate(log_grown) - (time - time[0]) / drain)
-    return np.where(residual > np.maximum(p, 1e-20), residual, p)
+    return np.where(residual > np.maximum(p, 1e-20), residual, p)  # 1e-20 Pa is no pressure
 
 
 LINE = (

@@ -17,10 +17,7 @@ from calib.car.effects.effect import Pair, Parameters, effect, sides
 from calib.car.history import HEAT_CAPACITY, RunHistory, disc_temperature
 
 _REFERENCE_PRESSURE = 20e5  # p_0 [Pa], at which the factor is 1: usual braking
-_REFERENCE_SPEED = 20.0
-"""Speed [m/s] at which the factor is 1: the middle of a stop, where slope and level are least
-correlated."""
-
+_REFERENCE_SPEED = 20.0  # speed [m/s] of factor 1: mid-stop, where slope and level correlate least
 _STRAIGHT = 1e-10  # bend [1/Pa] below which the curve is a straight line
 
 
@@ -62,7 +59,7 @@ def _by_pressure(parameters: Parameters, history: RunHistory, p_f: Array, p_r: A
 
 
 def _above_reference(p: Array, bend: float) -> Array:
-    """p - p_0 [Pa] (n,), or what the ``bend`` [1/Pa] puts in its place."""
+    """p - p_0 [Pa] (n,), or the expression in `_by_pressure` that replaces it at a ``bend``."""
     p_0 = _REFERENCE_PRESSURE
     if bend < _STRAIGHT:
         return p - p_0
