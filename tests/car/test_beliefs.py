@@ -36,8 +36,8 @@ def read_by(tree: ast.Module, group: str) -> set[str]:
         if isinstance(node, ast.Attribute) and ast.unparse(node.value) == group:
             fields.add(node.attr)
         by_text |= isinstance(node, ast.Call) and ast.unparse(node).startswith(f"getattr({group},")
-    sources = {n.value for n in ast.walk(tree) if isinstance(n, ast.Constant)}
-    return fields | (sources if by_text else set())
+    constants = {n.value for n in ast.walk(tree) if isinstance(n, ast.Constant)}
+    return fields | (constants if by_text else set())
 
 
 def test_every_field_is_read():

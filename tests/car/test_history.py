@@ -23,7 +23,7 @@ def test_a_ripple_is_the_mean_of_its_samples(m, turn, phase):
 
 C, TAU = 4000.0, 300.0
 TIME = np.linspace(2.0, 32.0, 301)
-SINCE = TIME - TIME[0]
+ELAPSED = TIME - TIME[0]
 
 
 @pytest.mark.parametrize("start", [20.0, 400.0])
@@ -31,6 +31,6 @@ SINCE = TIME - TIME[0]
 def test_constant_power_gives_the_exponential(start, power):
     """T = T_e + (T_0 - T_e) exp(-t/tau), T_e = T_air + P tau/C."""
     end = 20.0 + power * TAU / C
-    expected = end + (start - end) * np.exp(-SINCE / TAU)
-    temperature = disc_temperature(TIME, power * SINCE, C, start)
+    expected = end + (start - end) * np.exp(-ELAPSED / TAU)
+    temperature = disc_temperature(TIME, power * ELAPSED, C, start)
     assert temperature == pytest.approx(expected, rel=1e-10)

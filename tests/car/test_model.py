@@ -18,7 +18,7 @@ from tests.support.refusals import refusal
 SEDAN = read_vehicle(Path(__file__).parents[2] / "sample_logs/sedan/vehicle.toml")
 KNOWN = replace(SEDAN, effects=Effects({"rolling_resistance": {"coefficient": 0.012}}))
 
-WHOLE = """
+FULL = """
 schema = 1
 [pads]
 front = 0.30
@@ -42,12 +42,8 @@ def read(tmp_path, text, vehicle=SEDAN):
     return read_model(path, vehicle)
 
 
-def refused(tmp_path, text):
-    return refusal(read, tmp_path, text, kind=ModelError)
-
-
 def test_reads_every_section_in_si(tmp_path):
-    model = read(tmp_path, WHOLE, KNOWN)
+    model = read(tmp_path, FULL, KNOWN)
     assert (model.pad_friction_f, model.pad_friction_r) == (0.30, pytest.approx(0.34))
     assert model.tyre == MagicFormula(20.0, 0.5, 1.5, 0.1, 0.3, 0.25, 0.04)
     drag = {"drag_area": pytest.approx(0.66), "load_share": 1.0}  # (6) where it is not given
@@ -82,7 +78,7 @@ def test_written_and_read_back_it_is_the_same(tmp_path_factory, x, parts):
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "says"),
+    ("old", "new", "words"),
     [
         ("drag_area", "drag_aera", "did you mean 'drag_area'"),
         ('drag_area = "6600 cm^2"', "", "'drag_area' is missing"),
@@ -90,8 +86,8 @@ def test_written_and_read_back_it_is_the_same(tmp_path_factory, x, parts):
         ("shape = 1.5", "shape = 2.5", "tyre.shape: 2.5 is not believable"),
     ],
 )
-def test_refuses_and_says_what_is_wrong(tmp_path, old, new, says):
-    assert old in WHOLE
-    message = refused(tmp_path, WHOLE.replace(old, new, 1))
-    assert says in message
+def test_refuses_and_says_what_is_wrong(tmp_path, old, new, words):
+    assert old in FULL
+    message = refusal(read, tmp_path, FULL.replace(old, new, 1), kind=ModelError)
+    assert words in message
     assert "model.toml" in message

@@ -16,7 +16,7 @@ SEDAN = read_vehicle(LOGS / "sedan/vehicle.toml")
 
 
 def car(mass, wheelbase, front, height, track, radius, wheel, piston, disc):
-    """From a data sheet: ``front`` share of the load, pistons [mm] of one side, discs [mm]."""
+    """Return a car from a data sheet: ``front`` share of the load, pistons of one side [mm]."""
     axles = [
         Axle(R, 0.6 * m * R * R, sum(pi / 4 * (d / 1e3) ** 2 for d in pistons), r / 1e3, 2, 0.4)
         for R, m, pistons, r in zip(radius, wheel, piston, disc, strict=True)
@@ -45,29 +45,30 @@ CARS = {
 }  # fmt: skip
 
 
-def both(**factors):
-    """The sedan with keys of both axles times a factor."""
-    return axles(factors, factors)
+def scaled(axle, factors):
+    """Return the axle with values multiplied by ``factors``; a number of faces stays an integer."""
+    values = {key: getattr(axle, key) for key in factors}
+    return replace(axle, **{key: type(x)(x * factors[key]) for key, x in values.items()})
 
 
-def axles(front, rear):
-    changed = [
-        replace(axle, **{k: type(getattr(axle, k))(getattr(axle, k) * f) for k, f in by.items()})
-        for axle, by in ((SEDAN.front, front), (SEDAN.rear, rear))
-    ]
-    return replace(SEDAN, front=changed[0], rear=changed[1])
+def on_rear(**factors):
+    return replace(SEDAN, rear=scaled(SEDAN.rear, factors))
+
+
+def on_both(**factors):
+    return replace(on_rear(**factors), front=scaled(SEDAN.front, factors))
 
 
 MISTAKES = {
-    "piston area of both sides": (both(piston_area=2.0), "pressure_per_g"),
-    "one piston of two": (both(piston_area=0.5), "pressure_per_g"),
-    "one friction face": (both(friction_faces=0.5), "friction_faces_f"),
-    "one friction face, rear": (axles({}, {"friction_faces": 0.5}), "friction_faces_r"),
-    "area of both sides, rear": (axles({}, {"piston_area": 2.0}), "front_biased_up_to"),
-    "diameter of the disc": (both(effective_radius=2.0), "disc_ratio_f"),
-    "diameter of the wheel": (both(rolling_radius=2.0), "rolling_radius_f"),
-    "radius of the rim": (both(rolling_radius=0.63), "rolling_radius_r"),
-    "inertia in another unit": (both(wheel_inertia=10.0), "wheel_mass_f"),
+    "piston area of both sides": (on_both(piston_area=2.0), "pressure_per_g"),
+    "one piston of two": (on_both(piston_area=0.5), "pressure_per_g"),
+    "one friction face": (on_both(friction_faces=0.5), "friction_faces_f"),
+    "one friction face, rear": (on_rear(friction_faces=0.5), "friction_faces_r"),
+    "area of both sides, rear": (on_rear(piston_area=2.0), "front_biased_up_to"),
+    "diameter of the disc": (on_both(effective_radius=2.0), "disc_ratio_f"),
+    "diameter of the wheel": (on_both(rolling_radius=2.0), "rolling_radius_f"),
+    "radius of the rim": (on_both(rolling_radius=0.63), "rolling_radius_r"),
+    "inertia in another unit": (on_both(wheel_inertia=10.0), "wheel_mass_f"),
     "pounds": (replace(SEDAN, mass=2.2 * SEDAN.mass), "pressure_per_g"),
     "mass of one axle": (replace(SEDAN, mass=0.5 * SEDAN.mass), "pressure_per_g"),
     "height above the axles": (replace(SEDAN, cg_height=SEDAN.cg_height - 0.322), "cg_height"),

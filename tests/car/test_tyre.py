@@ -89,13 +89,13 @@ FORWARD = {
     "magic_round": magic(1.25),
 }
 
-USE = np.linspace(0.005, NEAR_PEAK, 200)
+SHARES = np.linspace(0.005, NEAR_PEAK, 200)
 
 
-def inverse(form, use):
-    return inverse_forms(np.asarray(use))[..., FORMS.index(form)]
+def inverse(form, share):
+    return inverse_forms(np.asarray(share))[..., FORMS.index(form)]
 
 
 @pytest.mark.parametrize("form", FORMS)
 def test_forward_of_the_inverse_is_the_force(form):
-    assert FORWARD[form](inverse(form, USE)) == pytest.approx(USE, abs=1e-12)
+    assert FORWARD[form](inverse(form, SHARES)) == pytest.approx(SHARES, abs=1e-12)

@@ -35,18 +35,18 @@ def test_stiffness_and_peak_over_load(path):
 
 
 def test_without_curvature_it_is_the_formula_of_the_car(path):
-    use, slip = read(path).curve(4300.0)
+    force, slip = read(path).curve(4300.0)
     formula = MagicFormula(stiffness=1.0, peak=1.0, shape=KEYS["PCX1"])
-    np.testing.assert_allclose(formula.force(slip), use, atol=1e-12)
-    assert use[-1] == pytest.approx(1.0, abs=1e-4)
+    np.testing.assert_allclose(formula.force(slip), force, atol=1e-12)
+    assert force[-1] == pytest.approx(1.0, abs=1e-4)
 
 
 def test_curvature_of_braking(path):
     """E = (0.4 - 0.1) (1 + 0.05) at half of the load more; the slip solves the formula."""
-    use, slip = read(path, PEX1=0.4, PEX2=-0.2, PEX4=0.05).curve(6450.0)
+    force, slip = read(path, PEX1=0.4, PEX2=-0.2, PEX4=0.05).curve(6450.0)
     x, E = slip / 1.65, 0.3 * 1.05
     np.testing.assert_allclose(
-        np.sin(1.65 * np.arctan((1.0 - E) * x + E * np.arctan(x))), use, atol=1e-12
+        np.sin(1.65 * np.arctan((1.0 - E) * x + E * np.arctan(x))), force, atol=1e-12
     )
 
 

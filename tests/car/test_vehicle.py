@@ -161,15 +161,15 @@ def test_the_example_is_the_reference_car(tmp_path):
 
 
 def test_characteristics_of_the_reference_car():
-    facts = characteristics(VEHICLE)
-    front, rear = facts["front"], facts["rear"]
+    values = characteristics(VEHICLE)
+    front, rear = values["front"], values["rear"]
     assert front["torque_per_bar_wheel"] == pytest.approx(2 * 0.38 * 28.84e-4 * 0.1309 * 1e5)
     assert rear["torque_per_bar_axle"] == pytest.approx(4 * 0.38 * 11.34e-4 * 0.124 * 1e5)
     assert front["static_load"] == pytest.approx(1744 * 1.6494 / 2.805)
     shifted = 1744 * 0.5 * 0.615 / 2.805
     assert front["load_at_half_g"] == pytest.approx(front["static_load"] + shifted)
     assert rear["load_at_half_g"] == pytest.approx(rear["static_load"] - shifted)
-    assert facts["front_biased_up_to"] == pytest.approx(0.641, abs=5e-4)  # as the brief has it
+    assert values["front_biased_up_to"] == pytest.approx(0.641, abs=5e-4)  # as the brief has it
 
 
 UNKNOWN = replace(CAR, mass_tolerance=0.03)

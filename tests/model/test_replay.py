@@ -47,8 +47,8 @@ def test_a_simulated_log_replayed_by_its_model_is_itself(driven):
 
 
 def test_pressures_of_single_wheels_are_used(driven):
-    own = {f"p_{w}": driven["p_mc"] * (0.9 if w == "rl" else 1.0) for w in WHEELS}
-    again = replay(MODEL, replace(driven, channels={**driven.channels, **own}))
+    pressures = {f"p_{w}": driven["p_mc"] * (0.9 if w == "rl" else 1.0) for w in WHEELS}
+    again = replay(MODEL, replace(driven, channels={**driven.channels, **pressures}))
     late = slice(driven.time.size // 2, None)
     ratio = again.truth["true_Tb_rl"][late] / again.truth["true_Tb_rr"][late]
     assert ratio == pytest.approx(0.9)
@@ -67,7 +67,7 @@ def test_disc_temperatures_are_used(driven):
 
 
 def test_a_logged_motor_torque_is_replayed():
-    """A plant of its own brakes with 200 N m at the front wheels; without the channel it slows."""
+    """A motor slows the plant by 200 N m in front; without its channel the replay is too fast."""
     plant = replace(REAL, motor=lambda t: (-200.0 * min(t, 1.0), 60.0))
     log = as_log(drive(plant, lambda t: 25e5 * min(max(t - 1.5, 0.0), 1.0), 27.0, stop_speed=3.0))
     model = replace(default_model(CAR), effects=MODEL.effects, tyre=MagicFormula(25.0, 0.9, 1.65))
@@ -155,7 +155,7 @@ def test_the_rate_of_the_clock_does_not_count(rate):
 
 def test_inputs_come_back_at_the_samples_they_were_given_at():
     time = np.arange(81) * COARSE
-    p, heat = np.linspace(0.0, 20e5, 81), np.linspace(80.0, 120.0, 81)
+    p, T_disc = np.linspace(0.0, 20e5, 81), np.linspace(80.0, 120.0, 81)
     torque = np.full(81, -50.0)
     log = simulate(
         KNOWN,
@@ -163,12 +163,12 @@ def test_inputs_come_back_at_the_samples_they_were_given_at():
         p,
         25.0,
         wheel_pressure={"fl": 0.9 * p},
-        temperature={"f": heat},
+        temperature={"f": T_disc},
         drive_torque={"f": torque},
     )
-    for channel, given_ in (("time", time), ("p_mc", p), ("p_fl", 0.9 * p), ("T_disc_f", heat)):
-        assert np.array_equal(log[channel], given_)
-    assert np.array_equal(log["T_drive_f"], torque)
+    inputs = {"time": time, "p_mc": p, "p_fl": 0.9 * p, "T_disc_f": T_disc, "T_drive_f": torque}
+    for channel, values in inputs.items():
+        assert np.array_equal(log[channel], values)
     assert all(x.shape == time.shape for x in log.truth.values())
 
 

@@ -23,8 +23,8 @@ def test_a_ramp_ends_at_its_deceleration(name):
 
 def test_one_axle_alone_uses_its_share_of_its_load():
     run = RUNS["rear_alone"]
-    every = frozenset(f"p_{w}" for w in ("fl", "fr", "rl", "rr"))
-    log = drive(MODEL, run, FAST, every)
+    sensors = frozenset(f"p_{w}" for w in ("fl", "fr", "rl", "rr"))
+    log = drive(MODEL, run, FAST, sensors)
     assert np.max(log["p_fl"]) == 0.0
     torque = 2.0 * np.max(log.truth["true_Tb_rl"])
     load = CAR.mass * 9.80665 * CAR.cg_to_front_axle / (CAR.cg_to_front_axle + CAR.cg_to_rear_axle)

@@ -24,7 +24,7 @@ from tests.support.reference_car import CAR as WEIGHED_CAR
 CAR = replace(WEIGHED_CAR, mass_tolerance=0.03)
 RUNS = {measure.name: measure for measure in measures()}
 FEW = tuple(RUNS[name] for name in ("ramp_60_3", "coast", "weighing", "rear_alone"))
-KNOWN = prior_of(CAR, Track(speed=33.0), frozenset({"v"}))
+PRIOR = prior_of(CAR, Track(speed=33.0), frozenset({"v"}))
 
 
 @pytest.fixture(scope="module")
@@ -32,7 +32,7 @@ def planned():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(search, "measures", lambda: FEW)
         patch.setattr(search, "_CARS", 1)
-        return plan(KNOWN, Want())
+        return plan(PRIOR, Want())
 
 
 def test_the_car_is_weighed_and_a_coast_is_not_worth_its_time(planned):
@@ -67,8 +67,8 @@ def test_a_plant_reaches_what_was_planned(planned, runs):
     weighed = mass_used(CAR, CAR.mass)
     table = fit(CAR, [log], mass=CAR.mass)
     reached = compare(runs, table, [log], weighed)
-    for a, p in zip(reached.achieved, reached.planned, strict=True):
-        assert 0.85 < a / p < 1.25
+    for width, planned_width in zip(reached.achieved, reached.planned, strict=True):
+        assert 0.85 < width / planned_width < 1.25
     assert reached.reasons == ()
     unweighed = compare(runs, fit(CAR, [log]), [log], mass_used(CAR, None))
     assert not unweighed.reached
@@ -83,16 +83,16 @@ def test_a_plant_reaches_what_was_planned(planned, runs):
 def test_a_plan_ends_when_it_is_met_or_the_time_is_over(monkeypatch, want, steps):
     monkeypatch.setattr(search, "_CARS", 1)
     monkeypatch.setattr(search, "measures", lambda: (FEW[0], FEW[2]))
-    planned = plan(KNOWN, want)
+    planned = plan(PRIOR, want)
     assert [step.measure.name for step in planned.steps] == steps
     assert planned.seconds <= want.seconds
 
 
 def test_gain_counts_what_is_asked_and_not_beyond():
-    now, then = HalfWidths(0.08, 0.12, 0.06), HalfWidths(0.04, 0.12, 0.06)
-    assert Want().gain(now, then) == pytest.approx(math.log(2.0))
-    assert Want(HalfWidths(front=0.06)).gain(now, then) == pytest.approx(math.log(0.08 / 0.06))
-    assert Want(HalfWidths(rear=0.05)).gain(now, then) == 0.0
+    wide, narrow = HalfWidths(0.08, 0.12, 0.06), HalfWidths(0.04, 0.12, 0.06)
+    assert Want().gain(wide, narrow) == pytest.approx(math.log(2.0))
+    assert Want(HalfWidths(front=0.06)).gain(wide, narrow) == pytest.approx(math.log(0.08 / 0.06))
+    assert Want(HalfWidths(rear=0.05)).gain(wide, narrow) == 0.0
 
 
 def test_files_for_the_robot_are_read_as_pressures(planned, tmp_path):
@@ -117,4 +117,4 @@ def test_noise_of_a_table_is_that_of_its_densities():
     # a mean of 1 s of white noise has the density as its standard deviation
     assert levels["a_x"].sd / 10.0 == pytest.approx(0.001 * 9.80665)
     assert levels["omega_fl"].sd / 10.0 / math.sqrt(2.0) == pytest.approx(0.002)
-    assert replace(KNOWN, noise=levels).noise["v"].sd == pytest.approx(0.03)
+    assert replace(PRIOR, noise=levels).noise["v"].sd == pytest.approx(0.03)

@@ -15,8 +15,8 @@ PRESSURE = CATALOGUE["pad_pressure_dependence"]
 
 def test_the_simulation_heats_its_own_discs_where_none_is_given():
     """The heat comes from the truth channels of the run and is summed here step by step."""
-    hot = {"fade_slope": 0.004, "fade_onset": 101.0}
-    log = driven({"pad_thermal_fade": hot}, lambda t: 40e5, duration=3.0)
+    fade = {"fade_slope": 0.004, "fade_onset": 101.0}
+    log = driven({"pad_thermal_fade": fade}, lambda t: 40e5, duration=3.0)
     power = log.truth["true_Tb_fl"] * log["omega_fl"]
     T, dt = [100.0], 0.005
     for a, b in pairwise(power):
@@ -28,9 +28,9 @@ def test_the_simulation_heats_its_own_discs_where_none_is_given():
 
 @given(st.floats(-1e-7, 1e-7), st.floats(0.0, 4e-6))
 def test_a_bend_changes_neither_the_factor_at_20_bar_nor_the_mean_slope(slope, bend):
-    given_by = {"pressure_slope": slope, "pressure_bend": bend}
+    parameters = {"pressure_slope": slope, "pressure_bend": bend}
     p = np.array([0.0, 20e5, 40e5])
-    factor, _ = PRESSURE.friction(given_by, made_history(3), p, p)
+    factor, _ = PRESSURE.friction(parameters, made_history(3), p, p)
     assert factor[1] == pytest.approx(1.0, abs=1e-12)
     assert factor[2] - factor[0] == pytest.approx(slope * 40e5, abs=1e-9)
 
