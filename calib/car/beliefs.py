@@ -122,9 +122,8 @@ def _belief(row: Row) -> Belief:
 def _mixture(field_rows: list[Row]) -> Mixture:
     ordered = sorted(field_rows, key=lambda row: row["case"])  # no draw depends on the file's order
     cases = tuple(row["case"] for row in ordered)
-    columns = ("share", "mean", "sigma")
-    share, mean, sigma = (np.array([float(row[key]) for row in ordered]) for key in columns)
-    return Mixture(cases, share, mean, sigma)
+    keys = ("share", "mean", "sigma")
+    return Mixture(cases, *(np.array([float(row[key]) for row in ordered]) for key in keys))
 
 
 _TABLE = rows("beliefs.csv", "calib.car")

@@ -37,14 +37,15 @@ class Brakes:
 
     def pads(self, history: RunHistory, side: str = "l") -> Pair:
         """Friction of the front and the rear pads [1] (n,) on the left ("l") or right side."""
-        p_f, p_r = (self.clamp[self.twin(f"{a}{side}")] for a in "fr")
+        p_f, p_r = self.clamp[self.twin(f"f{side}")], self.clamp[self.twin(f"r{side}")]
         front, rear = pad_factors(self.model.effects, history, p_f, p_r)
         return self.model.pad_friction_f * front, self.model.pad_friction_r * rear
 
     def torques(self, history: RunHistory) -> dict[str, Array]:
         """Brake torque [N m] (n,) of the computed wheels."""
         factors = wheel_factors(self.model.effects, history)
-        pads = {side: self.pads(history, side) for side in {w[1] for w in self.clamp}}
+        sides = {w[1] for w in self.clamp}  # "l", and "r" where right wheels are computed
+        pads = {side: self.pads(history, side) for side in sides}
         torques = {}
         for w, p in self.clamp.items():
             front, rear = pads[w[1]]

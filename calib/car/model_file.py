@@ -74,8 +74,8 @@ def _effects_section(effects: Mapping[str, Effect]) -> type[record.ByName]:
             kind = Annotated[float, record.QuantityMark(p.unit, p.low, p.high)]
             keys[p.name] = (kind, ... if p.default is None else p.default)
         entries[name] = record.section(name, effect.card.cause, keys)
-    about = "The whole list of effects; the vehicle's when left out."
-    return record.by_name("EffectsSection", entries, about)
+    description = "All effects of the car; without this section, those of the vehicle."
+    return record.by_name("EffectsSection", entries, description)
 
 
 class _DefinedInSection(record.Section):

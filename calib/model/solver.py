@@ -49,9 +49,9 @@ def rising_branch(
 ) -> tuple[Array, Array, Array]:
     """Normalised force [1], its slope by slip [1], and the slip over that of the cut `_EDGE` [1].
 
-    ``relative_load`` is the axle load over half the weight [1]; shapes (n,). Beyond the cut, where
-    the third result is above 1, the force goes on linearly: that helps the solver to converge, and
-    is not physical.
+    ``relative_load`` is the axle load over half the weight [1], 4 F_z/W with the load F_z of one
+    wheel; shapes (n,). Beyond the cut, where the third result is above 1, the force goes on
+    linearly: that helps the solver to converge, and is not physical.
     """
     edge = tyre.slip_at(_EDGE, relative_load)
     clipped = np.clip(slip, -edge, edge)
@@ -192,7 +192,7 @@ def _iterate(run: Drive, old: SolverState) -> SolverState:
         i = AXLES.index(w[0])
         load[w] = 0.5 * loads[i]
         slip[w] = _next_slip(run, w, T_b + 0.5 * moments[i], load[w], old)
-        grip, _, used[w] = rising_branch(model.tyre, slip[w], 2.0 * loads[i] / vehicle.weight)
+        grip, _, used[w] = rising_branch(model.tyre, slip[w], 4.0 * load[w] / vehicle.weight)
         force[w] = load[w] * grip
     body = total_body_force(vehicle, model.effects, motion)
     z = (run.total(force) + body) / vehicle.weight  # (5)

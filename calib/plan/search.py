@@ -5,9 +5,9 @@
 A width below the wanted one counts as the wanted one. The first measure is the ramp with the
 greatest mean gain over several cars, each with its own noise. Each next measure has the greatest
 gain per second for the mean car. A measure that gained next to nothing is not tried again, since
-gains diminish with every measure. The widths of a plan are medians over several cars. Its floors,
-which no plan can go below, are the widths of the mean car after the plan and all other possible
-measures, but without further ramps of both axles.
+gains diminish with every measure. The widths of a plan are medians over several cars. Its floors
+show what more measures could bring: the widths of the mean car after the plan and all other
+possible measures, but without further ramps of both axles.
 """
 
 import math
