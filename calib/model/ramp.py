@@ -158,7 +158,6 @@ def prepare(run: Run, effects: Effects, accelerometer: Accelerometer | None = No
     """Return the blocks of a ramp with their loads, resistances and demanded brake forces.
 
     ``effects`` are the known effects of body and wheels; the ``accelerometer`` corrects z.
-
     These blocks take no part in a fit:
     * blocks in which an axle would lift, by a glitch of a_x: their loads are NaN;
     * blocks between the lead-in and the bite, and after a release: the pads may touch;

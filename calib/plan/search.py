@@ -120,7 +120,8 @@ def plan(prior: Prior, want: Want, workers: int = 1) -> Plan:
 
 def _times(sequence: _Sequence) -> list[float]:
     """Return the time of each measure [s], with the turn before each run but the first measure."""
-    return [*(m.duration for m in sequence[:1]), *map(_time_after_another, sequence[1:])]
+    times = [measure.duration for measure in sequence[:1]]
+    return times + [_time_after_another(measure) for measure in sequence[1:]]
 
 
 def _time_after_another(measure: Measure) -> float:
