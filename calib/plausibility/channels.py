@@ -1,6 +1,6 @@
 """Figures of the channels: missing, stuck, copied, late, or out of the range of a car.
 
-Each public function is the figure of that name in `rules.csv`.
+The column `figure` of `rules.csv` names the public function here that measures a rule.
 """
 
 from collections.abc import Iterator
@@ -21,7 +21,7 @@ from calib.run.driving_record import BITE_Z, DrivingRecord
 _NEEDED = ("p_mc", "a_x", *WHEEL_SPEEDS)
 _IN_TIME = bounds_of("pressure_late")[1]  # largest delay of a pressure that is in time [s]
 _UNBRAKED, _ROLLED = 0.04, 0.3  # largest deceleration without a brake [g], time of it needed [s]
-_CUT = 0.85  # share of zeros [1]: a noisy pressure sensor that is cut at 0 has 2/3
+_CUT = 0.85  # share of unbraked samples at 0 of a zero that is too low; a right zero, cut, has 2/3
 _PRESSED = 20e5  # pressure from which left and right sensor agree in proportion [Pa]
 _BEYOND_CARS = {"v": "v_beyond_cars", "omega": "wheel_beyond_cars", "a": "a_x_beyond_cars"}
 """Code of a value that no car reaches, by the first part of the channel's name."""
@@ -59,7 +59,8 @@ def sensors(evidence: Evidence) -> Iterator[Measured]:
             yield Measured("stuck", longest, words={**words, "times": times})
             yield Measured("end_of_range", sensor.saturated, words=words)
         yield Measured("saturated", sensor.saturated, words=words)
-        if code := _BEYOND_CARS.get(name.split("_")[0]):
+        code = _BEYOND_CARS.get(name.partition("_")[0])
+        if code is not None:
             # a few samples beyond are a glitch; more are a wrong unit or decoding
             largest = float(np.quantile(np.abs(evidence.run.log[name]), 1.0 - FEW))
             yield Measured(code, largest, words=words)
@@ -80,12 +81,12 @@ def pressure(evidence: Evidence) -> Iterator[Measured]:
     delay, names = next(iter(run.pressures.values())), ", ".join(run.pressures)  # one delay for all
     cause = f"{names} {'are' if len(run.pressures) > 1 else 'is'} {delay.words}"
     # on a ramp a zero that is too low looks like a delay; a correct zero has noise
-    if master.low == 0.0 and master.flat > _CUT and delay.least < 0.0:
+    if master.low == 0.0 and master.flat > _CUT and delay.nearest_to_zero < 0.0:
         cause = f"a zero of p_mc that is too low, so that it is cut at 0, or {cause}"
     words = {"how": cause, "entry": f"{delay.entry} to {names}"}
-    yield Measured("pressure_late", delay.least, words=words)
+    yield Measured("pressure_late", delay.nearest_to_zero, words=words)
     has_motor = any(name.startswith("T_drive") for name in run.present)
-    if abs(delay.least) <= _IN_TIME and not has_motor:
+    if abs(delay.nearest_to_zero) <= _IN_TIME and not has_motor:
         explained = max(delay.explained_in_time, 0.0)
         yield Measured("pressure_foreign", explained, words={"channels": names})
 
@@ -132,7 +133,7 @@ def zero_of_pressure(evidence: Evidence) -> Iterator[Measured]:
 
 
 def _unbraked_by_a_x(driving: DrivingRecord) -> Mask:
-    """Mask (n,) of the first half of the log before a_x shows a braking; none if it slows there."""
+    """Mask (n,) of the first half of the time until a_x shows a braking; none if the car slows."""
     # a ramp may begin in the second half
     half = np.count_nonzero(np.cumsum(driving.z > BITE_Z) == 0) // 2
     rolling = np.zeros_like(driving.moving)

@@ -50,7 +50,7 @@ _MULTIPLE = 4  # the number of compared steps is a multiple of this: of 0.2 s
 _CASES = np.array(list(product((False, True), repeat=4)))
 """Whether bias, grade, drag and a walk are present (16, 4); every second case has a walk."""
 _SENSED = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 1.0, 0.0], [0.0, 1.0, 0.0, 1.0]])
-"""Matrix from the causes (c, bias, grade, drag) to what is measured, (c, e, d) of `_Evidence`."""
+"""Matrix from c, bias, grade, drag to what is measured: c, e = bias + grade, d = bias + drag."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class Accelerometer:
     covariance: float
     drag: float  # beside the known resistance [g]
     walk_probability: float  # of a grade that changes at random [1]
-    disagreement: float  # range over the run of corrected z plus (dv/dt)/g, as means of 1 s [g]
+    disagreement: float  # largest less least mean over 1 s of the corrected z plus (dv/dt)/g [g]
 
     def corrected(self, z: Array) -> Array:
         """Deceleration [1] that the tyres feel, from z [1] as read, (k,)."""
@@ -89,7 +89,7 @@ class SpeedEvidence:
     """What v shows of the accelerometer, whatever the resistance of the car."""
 
     blocks: Blocks
-    last: int  # number of steps between blocks that are compared
+    last: int  # the first ``last`` steps from block to block are compared
     density_z: float  # noise of z [s^0.5]
     by_road: tuple[_Evidence, ...]  # without and with a walk
 
@@ -136,7 +136,7 @@ def other_scale(b: Blocks, density_z: float, density_v: float) -> float:
 
     The result is also 0 without ``v`` or a braking. The resistance is that of a usual car. A walk
     would explain such a scale and is excluded. The regressor of c is averaged over `_AVERAGING`:
-    with the noise of z in the regressor as in the integral, c would be pulled towards 1.
+    noise that is in both the regressor and the integral would pull c towards 1.
     """
     if b.v is None or not np.any(np.maximum(b.p_f, b.p_r) > BITE):
         return 0.0

@@ -165,8 +165,7 @@ def _before_braking(time: Array, pressure: Array, step: float) -> Mask:
 def _undisturbed(eta: Array, rolling: Mask, step: float) -> Mask:
     """Mask (n,) that is false where ``eta`` is disturbed, as by a clutch that opens late.
 
-    The usual eta is the median over the last `_LAST` of the rolling before a braking, or over all
-    of the rolling in a coast.
+    The usual eta is the median over the last `_LAST` before a braking, or over all of a coast.
     """
     if np.count_nonzero(rolling) * step < _LAST:
         return np.ones_like(rolling)
@@ -175,7 +174,7 @@ def _undisturbed(eta: Array, rolling: Mask, step: float) -> Mask:
     lead_in = smooth[rolling]
     is_coast = rolling[-1]
     usual = np.median(lead_in if is_coast else lead_in[-round(_LAST / step) :])
-    # means that do not overlap differ by the noise of two means; few of them see a step of eta
+    # means so far apart do not overlap, so they differ by the noise of two; few see a step of eta
     differences = np.abs(lead_in[4 * width :] - lead_in[: -4 * width])
     sigma = max(scatter(differences) / math.sqrt(2.0), _FINEST)
     disturbed = np.abs(smooth - usual) > _DISTURBED * sigma

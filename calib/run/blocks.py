@@ -15,6 +15,7 @@ from calib.logs.log import Log
 from calib.run.axle_signals import AxleSignals, Signals, axle_pressure, eta_of
 from calib.run.filters import block_mean
 
+Axle = Literal["f", "r"]
 BLOCK = 0.05  # intended length of a block [s]: short compared with a brake application (0.2 s)
 
 
@@ -78,9 +79,6 @@ def block_balance(vehicle: Vehicle, effects: Effects, b: Blocks) -> ForceBalance
     """Forces on the car in each block, (k,), with the measured spin of the wheels."""
     drive, spin = (b.drive_f, b.drive_r), (b.spin_f, b.spin_r)
     return force_balance(vehicle, effects, b.end, b.speed, b.z, b.p_f, drive, spin)
-
-
-Axle = Literal["f", "r"]
 
 
 def braked_alone(log: Log) -> Axle | None:

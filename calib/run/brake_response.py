@@ -104,7 +104,8 @@ def brake_balance(car: Vehicle, effects: Effects, s: Signals) -> BrakeBalance:
     """Compute the forces of a run with the nominal pads of ``car`` and the known effects."""
     nominal_f, nominal_r = brake_forces(car, s.p_f, s.p_r)
     drive = (s.drive_f, s.drive_r)
-    after_lead_in = ~np.logical_or.accumulate(s.lead_in[::-1])[::-1]  # all true without a lead-in
+    end_of_lead_in = np.flatnonzero(s.lead_in)[-1] + 1 if s.lead_in.any() else 0
+    after_lead_in = np.arange(s.time.size) >= end_of_lead_in
     return BrakeBalance(
         nominal_f=nominal_f,
         nominal_r=nominal_r,
@@ -151,9 +152,9 @@ def _useful(s: Signals, active: Mask) -> Mask:
     """Mask (n,) of the lead-in, and of braking (``active``) with the time around it."""
     if not active.any():
         return np.zeros_like(active)
-    brakes_soon = time_since(-s.time[::-1], active[::-1])[::-1] < _BEFORE
-    braked_lately = time_since(s.time, active) < _AFTER
-    unbraked = (s.lead_in | brakes_soon | braked_lately) & (s.speed > _SLOW)
+    until_braking = time_since(-s.time[::-1], active[::-1])[::-1]  # as time runs backwards [s]
+    near_braking = (until_braking < _BEFORE) | (time_since(s.time, active) < _AFTER)
+    unbraked = (s.lead_in | near_braking) & (s.speed > _SLOW)
     return np.asarray(unbraked | (active & (s.speed > _GONE)))
 
 
@@ -183,12 +184,13 @@ def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
             _DELAY: level * _SPREAD,
             _WIDER: level * (_WIDTH * (delay**2 + _USUAL**2)),
         }
-        precision, side = A.T @ A / variance, A.T @ y / variance
+        precision, right_side = A.T @ A / variance, A.T @ y / variance
         for column, sigma in prior_sigma.items():
             precision[column, column] += sigma**-2.0
-        side[_DELAY] += (_USUAL - delay) / _SPREAD / prior_sigma[_DELAY]
+        # the unknown is level * (change of the delay), whose prior mean is level * (_USUAL - delay)
+        right_side[_DELAY] += (_USUAL - delay) / _SPREAD / prior_sigma[_DELAY]
         covariance = np.linalg.inv(precision)
-        solution, errors = covariance @ side, np.sqrt(np.diag(covariance))
+        solution, errors = covariance @ right_side, np.sqrt(np.diag(covariance))
         residual = y - A @ solution
         delay += float(solution[_DELAY]) / level
     return BrakeResponse(
@@ -221,7 +223,7 @@ def _tried_delays(m: _Means) -> tuple[Array, Array, Array]:
     every = samples_in(_TRIED, m.step)
     largest = round(_LARGEST / m.step)
     shifts = np.arange(-largest, largest + 1, every)
-    shifts = np.concatenate([[0], shifts[shifts != 0]])  # of equals the first, no shift, counts
+    shifts = np.concatenate([[0], shifts[shifts != 0]])  # no shift first: of equals it counts
     earlier = np.clip(np.arange(m.time.size) - shifts[:, None], 0, m.time.size - 1)
     lagged = [first_order(m.time, m.nominal, lag)[None] for lag in _LAGS]
     nominal = np.vstack([m.nominal[earlier], *lagged])
@@ -248,7 +250,8 @@ def _largest_step(m: _Means, nominal: Array, residual: Array) -> _ForceStep:
     windows = np.lib.stride_tricks.sliding_window_view(signals, width, axis=1)  # (2, k, width)
     medians, pressed = np.median(windows, axis=-1)  # so that no bump counts
     steps = medians[apart:] - medians[:-apart]
-    times = time[longest][(apart + width) // 2 :][: steps.size]
+    first_middle = (apart + width) // 2  # between the first two windows
+    times = time[longest][first_middle : first_middle + steps.size]
     steady = np.abs(pressed[apart:] - pressed[:-apart]) < _STEADY
     comparable = steady & (times > times[0] + _BITTEN)
     if not comparable.any():

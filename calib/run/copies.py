@@ -48,7 +48,8 @@ def shares_of_speed(log: Log) -> Iterator[tuple[str, float]]:
         nearby = np.lib.stride_tricks.sliding_window_view(x, count).T.copy()  # (count, n)
         y = a_x[reach : reach + n]
         residual = float(residual_squares(inner_products(nearby[None], y))[0])
-        yield name, 1.0 - n / (n - count) * residual / float(y @ y)
+        per_freedom = n / (n - count) * residual  # the weights fit some of the noise by chance
+        yield name, 1.0 - per_freedom / float(y @ y)
 
 
 def copied_pairs(log: Log, names: Sequence[str]) -> Iterator[tuple[str, str, float]]:
@@ -92,13 +93,14 @@ def _is_noise(log: Log, channel: str) -> bool:
     square = float(differences @ differences)
     rounding = LIMITS.copy_steps * resolution_of(log[channel])
     exceeds = square > rounding**2 * differences.size
+    # the correlation of neighbours is -2/3 for white noise, and up to 1 for motion
     return exceeds and float(differences[1:] @ differences[:-1]) < -0.3 * square
 
 
 _CHANNELS = ("p_mc", "a_x", "v", *WHEEL_SPEEDS)  # inputs of a diagnosis
 _FEWEST, _SOONER = 20, 0.1  # changes needed for a period; share that may come sooner, by jitter
 _LATER = 1.6  # longest time between two changes that counts as one period [periods]
-_SAME = 0.6  # a value that stays this much longer was sent once more [periods]
+_AGAIN = 0.6  # time after a period from which a value that stays was sent once more [periods]
 _LONGEST = 0.25  # longest period [s]: a channel that changes less often rests, or is coarse
 
 
@@ -116,8 +118,7 @@ def _mean_period(x: Array) -> float:
 def _arrivals(x: Array, longest: float) -> Index | None:
     """Samples at which the values of a channel (n,) arrived; None if it is not held.
 
-    A value that stays for several periods arrived once in each. ``longest`` is the longest period
-    of a held channel [samples].
+    A value that stays for several periods arrived once in each. ``longest`` [samples] limits them.
 
     >>> _arrivals(np.repeat([0.0, 4.0, 8.0] * 10, 4), 10)[:3]
     array([0, 4, 8])
@@ -127,7 +128,8 @@ def _arrivals(x: Array, longest: float) -> Index | None:
         return None
     first = np.concatenate([[0], np.flatnonzero(np.diff(x)) + 1])  # sample of each new value
     length = np.diff(np.append(first, x.size))
-    counts = np.maximum(1, np.floor(length / period + 1.0 - _SAME).astype(np.int64))  # arrivals
+    # arrivals of each value: one more from each whole number of periods and `_AGAIN` on
+    counts = np.maximum(1, np.floor(length / period + 1.0 - _AGAIN).astype(np.int64))
     number = np.concatenate([np.arange(count) for count in counts])  # of an arrival of a value
     arrivals = np.repeat(first, counts) + np.round(number * period).astype(np.int64)
     return np.asarray(arrivals[arrivals < x.size])

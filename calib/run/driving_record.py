@@ -59,7 +59,7 @@ class DrivingRecord:
 
     @cached_property
     def unbraked(self) -> Mask:
-        """Mask (n,) of unbraked rolling before the first event; anywhere if it is under 0.5 s."""
+        """Mask (n,) of unbraked rolling before the first event; in the whole log if under 0.5 s."""
         rolling = ~self.braked & self.moving & is_rolling(self.z)
         lead_in = self.before_braking & rolling
         return lead_in if lead_in.sum() * self.step >= 0.5 else rolling
@@ -94,9 +94,11 @@ def driving_record(log: Log) -> DrivingRecord:
     braked = np.array(active)
     # a short release within an event counts as braked, a short application as unbraked
     for start, end in true_intervals(~braked):
-        braked[start:end] = start > 0 and end < time.size and (end - start) * step < _PAUSE
+        if start > 0 and end < time.size and (end - start) * step < _PAUSE:
+            braked[start:end] = True
     for start, end in true_intervals(braked):
-        braked[start:end] = (end - start) * step >= _SHORTEST
+        if (end - start) * step < _SHORTEST:
+            braked[start:end] = False
     first = np.argmax(braked) - round(SETTLE / step) if braked.any() else time.size
     before_braking = np.arange(time.size) < first
     wheel_z = -NOMINAL_RADIUS / G * centred_mean(np.gradient(wheel, time), width)

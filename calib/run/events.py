@@ -32,11 +32,11 @@ def run_events(log: Log) -> tuple[RunEvent, ...]:
         times = [(float(log.time[start]), float(log.time[end - 1])) for start, end in intervals]
         return [RunEvent(kind, start, end) for start, end in times]
 
-    lead_in = events(LEAD_IN, true_intervals(run.rolling))
-    longest = sorted(lead_in, key=lambda event: event.start - event.end)[:1]
+    rolling = events(LEAD_IN, true_intervals(run.rolling))
+    lead_ins = [max(rolling, key=lambda event: event.end - event.start)] if rolling else []
     brakings = true_intervals(run.driving.braked)
     bites = events(BITES, [(start, start + 1) for start, _ in brakings])
     stands = np.max([log[name] for name in WHEEL_SPEEDS], axis=0) < LIMITS.standing
     standstills = events(STANDSTILL, true_intervals(stands))
-    in_kinds = [*longest, *bites, *events(BRAKING, brakings), *standstills]
-    return tuple(sorted(in_kinds, key=lambda event: event.start))
+    all_events = [*lead_ins, *bites, *events(BRAKING, brakings), *standstills]
+    return tuple(sorted(all_events, key=lambda event: event.start))

@@ -78,7 +78,7 @@ def _stands_alone(part: IntervalEstimate, others: tuple[float, float], z: float)
 
 
 def crossed_side(parts: WheelParts | None, alone: str | None = None) -> _Crossed | None:
-    """Return the exchanged wheels of one side if X shows them; ``alone`` is as in `Run`."""
+    """Return the exchanged wheels of one side if X shows them; ``alone`` is the one braked axle."""
     if parts is None:
         return None
     x = parts.diagonals

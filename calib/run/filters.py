@@ -121,18 +121,18 @@ def inner_products(columns: Array, y: Array) -> tuple[Array, Array, Array]:
 def residual_squares(products: tuple[Array, Array, Array], ridge: Array | float = 0.0) -> Array:
     """Residual sums of squares (m,) from the ``products`` of `inner_products`.
 
-    ``ridge`` (k,) penalises the squared coefficients. A zero or repeated column changes nothing.
-    The result is accurate to 1e-9 of y^T y, which may be of shape (m,).
+    Regressions of different y have y^T y of shape (m,). ``ridge`` (k,) penalises squared
+    coefficients. A zero or repeated column changes nothing. The result is exact to 1e-9 of y^T y.
     """
-    gram, side, square = products
+    gram, right_side, square = products
     identity = np.eye(gram.shape[1])
     gram = gram + ridge * identity
     norm = np.sqrt(np.diagonal(gram, axis1=1, axis2=2))  # of each column, (m, k)
     norm = np.where(norm > 0.0, norm, 1.0)
-    side = side / norm
+    right_side = right_side / norm
     gram = gram / (norm[:, :, None] * norm[:, None, :]) + 1e-9 * identity
-    coefficients = np.linalg.solve(gram, side[..., None])[..., 0]
-    return np.asarray(np.maximum(square - np.sum(side * coefficients, axis=1), 0.0))
+    coefficients = np.linalg.solve(gram, right_side[..., None])[..., 0]
+    return np.asarray(np.maximum(square - np.sum(right_side * coefficients, axis=1), 0.0))
 
 
 def long_run_variance(x: Array, size: int) -> float:

@@ -80,16 +80,16 @@ def remove_known_effects(vehicle: Vehicle, log: Log) -> CorrectedRun:
         channels[f"omega_{w}"] = channels[f"omega_{w}"] / factor
     factors = (ones, ones)
     if on_links(effects, BRAKES):
-        pressures, factors = _at_plain_pads(model, log, history)
+        pressures, factors = _without_brake_effects(model, log, history)
         channels |= pressures
     notes = (*log.notes, f"known effects taken out: {', '.join(effects.described)}")
     return CorrectedRun(car, replace(log, channels=channels, notes=notes), *factors)
 
 
-def _at_plain_pads(
+def _without_brake_effects(
     model: Model, log: Log, history: RunHistory
 ) -> tuple[dict[str, Array], tuple[Array, Array]]:
-    """Wheel pressures that make the same torques on plain pads, and the factors of the friction."""
+    """Wheel pressures with the same torques without effects, and the factors of pad friction."""
     logged = {w: log[f"p_{w}"] for w in WHEELS if f"p_{w}" in log}
     pedal = constant_speed(log.time, log["p_mc"], 0.0, source=log.source)
     brakes = brakes_of(model, pedal, logged)
@@ -100,7 +100,7 @@ def _at_plain_pads(
         history = replace(history, energy_f=energy_f, energy_r=energy_r)
         torques = brakes.torques(history)
     pads = {"f": model.pad_friction_f, "r": model.pad_friction_r}
-    pressures = {  # the twin is the wheel that is computed, also for a brake that is like it
+    pressures = {  # where left and right are alike, `torques` has one of them, the twin of both
         f"p_{w}": torques[brakes.twin(w)] / (pads[w[0]] * brakes.axle(w).torque_gain)
         for w in WHEELS
     }

@@ -33,7 +33,7 @@ def lateral(
     slip: Array | float = 0.0,
     height: float = 0.0,
 ) -> Array:
-    """`turning` after a low-pass; ``straight`` is the value of `sides` on a straight road [1]."""
+    """a_y [m/s^2] by `turning`, after a low-pass; ``straight`` is `sides` on a straight road."""
     a_y = turning(sides(log) - straight, s.speed, track_width, slip, height)
     return low_pass(a_y, s.sample_time, LATERAL_TIME)
 

@@ -104,12 +104,11 @@ def _long_run_density(
     (tests/run/test_noise.py). With fewer than 8 groups the noise is taken as white.
     """
     per_group = samples_in(_GROUP, step)
-    groups = x.size // per_group
-    step *= per_group
-    length = min(max(8, round(window / step)), groups)  # of a window [groups]
+    groups, group_time = x.size // per_group, step * per_group
+    length = min(max(8, round(window / group_time)), groups)  # of a window [groups]
     windows = groups // length if length >= 8 else 0
     if windows == 0:
-        return float(np.std(x) * np.sqrt(step / per_group))
+        return float(np.std(x) * np.sqrt(group_time / per_group))
 
     def by_window(blocks: Array) -> Array:  # group means, (windows, length)
         return block_mean(blocks, per_group)[: windows * length].reshape(windows, length)
@@ -125,13 +124,13 @@ def _long_run_density(
     total = float(np.sum(residual**2))
     if total == 0.0:
         return 0.0
-    # the median leaves out the window of the brake application; a does not, so the density may be
-    # too high by up to a factor of 3
+    # the brake application is in one window, which the median leaves out; the coefficient a has it,
+    # so the density may be too high by up to a factor of 3
     variance = float(np.median(np.sum(residual**2, axis=1))) / (length - fitted)
     lagged = float(np.sum(residual[:, 1:] * residual[:, :-1]))
     a = lagged / total * length / (length - 1) + fitted / length
     a = min(max(a, 0.0), 0.8)
-    return float(np.sqrt(variance * step * (1.0 + a) / (1.0 - a)))
+    return float(np.sqrt(variance * group_time * (1.0 + a) / (1.0 - a)))
 
 
 WALK = 1.2e-5

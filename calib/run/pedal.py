@@ -14,13 +14,13 @@ from calib.run.filters import centred_mean, samples_in
 
 _HOLD = 0.1  # width over which a constant pressure is averaged [s]
 _WIDEST = 8  # largest lag of a third difference [samples]
-_HIDDEN = 1.5  # noise at a larger lag over that at lag one, from which the larger one counts [1]
+_INTERPOLATED = 1.5  # noise over several samples, over that at lag one, of an interpolated pressure
 RELEASED = 0.4e5  # a constant pressure below this [Pa] counts as zero: springs keep the pads off
 _NOISE = 4.0  # largest deviation by noise [sigma]
 _CONSTANT = 2.0 * _NOISE  # range of a constant pressure within 2 `_HOLD` [sigma]
 _PEAK = 2.0 * _NOISE
-"""Height of a peak beside a constant pressure up to which it is noise [sigma]: at a corner both the
-parabola and the sample may err by `_NOISE`."""
+"""Height up to which a peak beside a constant pressure is noise [sigma]: where pressure begins to
+change, both the parabola and the sample may err by `_NOISE`."""
 
 
 def as_pressed(p: Array, step: float) -> Array:
@@ -64,8 +64,8 @@ def _without_peaks(p: Array, constant: Mask, limit: float, width: int) -> Array:
 def _noise_of(p: Array) -> float:
     """Standard deviation of the noise of a pressure (n,), from its third differences."""
     at_lag_one, *at_larger_lags = noise_over(p, _WIDEST)
-    if at_lag_one == 0.0:  # the median, for noise below the resolution: take the 90 % quantile
+    if at_lag_one == 0.0:  # noise below the resolution, whose median is 0: take the 90 % quantile
         at_lag_one = float(np.quantile(np.abs(np.diff(p, 3)), 0.9)) / Z90 / math.sqrt(20.0)
     # an interpolated pressure has its noise in differences over several samples
     largest = max(at_larger_lags, default=0.0)
-    return largest if largest > _HIDDEN * at_lag_one else at_lag_one
+    return largest if largest > _INTERPOLATED * at_lag_one else at_lag_one

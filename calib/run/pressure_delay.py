@@ -35,17 +35,17 @@ from calib.run.filters import (
     time_since,
 )
 
-_TRIED = np.linspace(-4.0, 4.0, 161)  # delays that are tried [s]; two clocks may be anywhere apart
+_TRIED = np.linspace(-4.0, 4.0, 161)  # delays that are tried [s]: clocks may differ by seconds
 _USUAL, _SPREAD = 0.02, 0.06
 """Median and half width of the Cauchy prior of the delay [s], whose tails allow a second."""
 _SURE = 0.98  # probability that the delay is above `low`, and that it is below `high` [1]
 _IN_TIME = 0.6  # longest delay of brakes [s]: a diagnosis looks for lags and delays of up to 0.5 s
 _KEPT, _BRAKED = 0.5, 0.25  # least shares of all and of braked rows with a known pressure [1]
-_SLOWS = 1.5 * BITE_Z  # deceleration that is a braking at any pressure [g]: above a low gear
+_SLOWS = 1.5 * BITE_Z  # deceleration that only a brake makes [g]: an engine in low gear makes less
 _BITES = (1.0, 2.0)  # pressures up to which f and g act, over `BITE` [1]
 _FORCE = 0.05  # prior sigma of f and of g, at these pressures, over the usual deceleration [1]
 _EXACT = 1e-10  # square of the rounding error of z [1]
-_GROUPS = (4, 8)  # samples of the means that show how residuals are correlated, to 0.4 s
+_GROUPS = (4, 8)  # rows, 0.05 s apart, over which residuals are averaged to see their correlation
 
 
 @dataclass(frozen=True)
@@ -59,10 +59,10 @@ class PressureDelay:
     explained_in_time: float  # the same with the best delay that brakes may have [1]
 
     @property
-    def least(self) -> float:
+    def nearest_to_zero(self) -> float:
         """Delay nearest to zero in the interval [s]; 0 if the pressure explains too little."""
         trusted = self.explained > LIMITS.explained_late
-        return max(self.low, 0.0) + min(self.high, 0.0) if trusted else 0.0
+        return min(max(0.0, self.low), self.high) if trusted else 0.0
 
     @property
     def words(self) -> str:
@@ -96,8 +96,7 @@ def pressure_delay(
     """Estimate the delay of ``z`` [1] after ``pressures`` [Pa]; None with too little braking.
 
     ``pressures`` are ``p_mc`` alone or those of both axles; ``drives`` torques of engine or motor
-    [N m]. ``use`` is true where the car moves, no wheel is at its limit yet and ``z`` is valid. All
-    are (n,).
+    [N m]. ``use`` (n,) is true where the car moves, no wheel is at its limit yet and z is valid.
     """
     step, count = step_of(time), len(pressures)
     time, use, (z, *means) = _means(time, use, z, *pressures, *drives)
@@ -105,7 +104,8 @@ def pressure_delay(
     bites, torques = [p / BITE for p in means[:count]], means[count:]
     slowed = z > _SLOWS
     active = (np.max(bites, axis=0) > 1.0) | slowed
-    rolling = ~np.logical_or.accumulate(slowed) & is_rolling(z)  # the pressure may be early
+    # until the car slows: a pressure that is early may rise before
+    rolling = ~np.logical_or.accumulate(slowed) & is_rolling(z)
     braked, rolled = (step * np.count_nonzero(use & part) for part in (active, rolling))
     if braked < LIMITS.pressure_braked or rolled < LIMITS.pressure_lead_in:
         return None
@@ -115,7 +115,7 @@ def pressure_delay(
     tried, inside, p = _shifted(time, bites, rows, slowed[rows])
     drifting = (time[rows] - time[rows[0]]) * p
     at_bite = [np.clip(np.max(p, axis=0) / bite, 0.0, 1.0) for bite in _BITES]
-    # factors of a, d, b, c, and at last of f and g: 1, (n,) or, by delay, (m, n)
+    # factors of a; of d, each (n,); of b, c, f and g, each (m, n) as they depend on the delay
     terms = (1.0, *(x[rows] for x in torques), *p, *drifting, *at_bite)
     columns = np.empty((tried.size, len(terms), rows.size))
     for i, term in enumerate(terms):
@@ -159,14 +159,15 @@ def _posterior(
     if not np.ptp(y) > _EXACT**0.5:  # the sensor is stuck
         return None
     samples, variance = inside.sum(axis=1), float(np.var(y))
-    gram, side, _ = inner_products(columns, y)
-    products = gram, side, inside @ y**2
+    gram, right_side, _ = inner_products(columns, y)
+    products = gram, right_side, inside @ y**2
     ridge = np.zeros(columns.shape[1])
     for _ in range(2):  # the first pass gives the noise, which the weight of the prior needs
         squares = residual_squares(products, ridge) / samples + _EXACT
         cost = samples * np.log(squares / variance)  # of white noise, -2 times the log-likelihood
         best = int(np.argmin(cost))
-        A, y_inside = columns[best, :, : samples[best]].T, y[: samples[best]]
+        count = samples[best]  # p is known in the first rows: only the last may be after the log
+        A, y_inside = columns[best, :, :count].T, y[:count]
         residual = y_inside - A @ np.linalg.lstsq(A, y_inside, rcond=None)[0]
         smallest = squares[best]
         noise = max(long_run_variance(residual, size) for size in _GROUPS) + _EXACT

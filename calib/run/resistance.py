@@ -54,8 +54,7 @@ def identify(vehicle: Vehicle, runs: Iterable[tuple[Blocks, float]]) -> Resistan
 
     Values of the vehicle file stay, and its other effects are removed first. The result is the
     posterior mode within the ranges of the cards, with a Gaussian prior at their typical values;
-    the covariance ignores the ranges. Raises ModelError for an unknown effect or parameter of the
-    vehicle, or a value out of range.
+    the covariance ignores the ranges. Raises ModelError for unknown or impossible effects.
     """
     effects = default_model(vehicle).effects
     others = effects.without(*RESISTANCE)
@@ -76,10 +75,12 @@ def identify(vehicle: Vehicle, runs: Iterable[tuple[Blocks, float]]) -> Resistan
         solution[free] = _bounded(A[:, free], residual, low, high)
     covariance = np.linalg.inv(A.T @ A)
     values, errors = np.maximum(solution, 0.0).tolist(), np.sqrt(np.diag(covariance)).tolist()
-    parameters = {effect: {**effects.parameters.get(effect, {})} for effect in RESISTANCE}
-    sigmas = {effect: dict.fromkeys(parameters[effect], 0.0) for effect in RESISTANCE}
+    parameters: dict[str, dict[str, float]] = {}
+    sigmas: dict[str, dict[str, float]] = {}
     for (effect, name), value, error in zip((DRAG, ROLLING), values, errors, strict=True):
-        parameters[effect][name], sigmas[effect][name] = value, error
+        of_file = effects.parameters.get(effect, {})
+        parameters[effect] = {**of_file, name: value}
+        sigmas[effect] = {**dict.fromkeys(of_file, 0.0), name: error}
     return Resistance(
         effects=others.with_(Effects(parameters, sigma=sigmas)),
         covariance=tuple(tuple(row) for row in covariance.tolist()),

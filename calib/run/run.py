@@ -6,7 +6,7 @@
                                          |
                                          +--> lead-in, rolling radii, response of the brakes
 
-A fit and an estimate start from the second line. Without a vehicle its signals are as read.
+A fit and an estimate start from the second line. Without a vehicle the signals there are as read.
 """
 
 import math
@@ -180,7 +180,7 @@ class Run:
 
     @cached_property
     def wheels(self) -> WheelParts | None:
-        """Change of the four slips by braking; None without enough rolling or braking, too."""
+        """Change of the four slips by braking; None if the log does not show it."""
         return wheel_parts(self.log, self.driving) if self.has_motion_channels else None
 
     # --- the car, its known effects taken out -----------------------------------------------------

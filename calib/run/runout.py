@@ -16,15 +16,14 @@ from calib.base.arrays import Array
 from calib.base.intervals import scatter
 from calib.car.lag import integral
 
-_SLOWEST = 15.0  # wheel speed [rad/s] below which brakes build up faster than the wheel turns
+_SLOWEST = 15.0  # least wheel speed [rad/s]: in a slower turn the brakes may build up fully
 _TURNS = 20  # fewest turns that separate an error of the ring from motion of the car
 _COARSEST = 0.5 * np.pi  # largest angle between two samples [rad]: the second order must be seen
 _FEWEST = 100  # fewest samples of a fit
 _SMALLEST = 2e-4  # amplitude below which a ring is good [1]
 _SURE = 6.0
-"""Amplitude over its sigma by white noise from which an order k is an error of the ring. In 327
-logs with good rings the largest of a log (two orders of four wheels) has a median of 2.4, and is at
-most 5."""
+"""Amplitude over its sigma by white noise from which an order k is an error of the ring. Logs with
+good rings have 2.4 in the median and 5 at most (327 logs, the largest of 8 orders of each)."""
 _ALIKE = 0.5
 """Largest change of a ring's error between both halves of a log, over its amplitude [1]. The noise
 of a slow bus has another phase in each half."""
@@ -40,8 +39,9 @@ def without_runout(omega: Array, step: float) -> Array:
         return omega
     rising = np.maximum.accumulate(angle)
     angles = angle[use]
-    turn_end, turn_start = (np.interp(angles + half, rising, time) for half in (np.pi, -np.pi))
-    error = omega[use] * (turn_end - turn_start) / (2.0 * np.pi) - 1.0  # over the mean of the turn
+    turn_start, turn_end = (np.interp(angles + x, rising, time) for x in (-np.pi, np.pi))
+    # omega over its mean in the turn around the sample, less 1
+    error = omega[use] * (turn_end - turn_start) / (2.0 * np.pi) - 1.0
     near = np.abs(error) <= 5.0 * max(scatter(error), 1e-9)
     if np.count_nonzero(near) < _FEWEST:
         return omega

@@ -7,8 +7,7 @@ noise, sigma. Where D is close to 1, third differences, which are noise alone, d
     D = spread of (a - b), squared, over sigma_a^2 + sigma_b^2     one run: 0 to 0.9; two: 1 or more
     r = sin(pi/2 * mean(sign(a''') * sign(b''')))                  one run: 0.3 to 1; two: about 0
 
-Wrong where most channels of a copy are rounded to more than five times their noise: such a copy
-counts as another run.
+A copy with most channels rounded to more than five times their noise counts as another run.
 
 A table holds the `Fingerprint` of its runs: the means, rounded to a quarter of their noise, as the
 second differences of whole numbers. A run of 10 s takes about 5 kB.
@@ -60,7 +59,7 @@ class Fingerprint:
         names = {channel.name for channel in self.channels}
         sizes = {_decoded(channel.differences).size for channel in self.channels}
         units = (self.step, *(channel.unit for channel in self.channels))
-        has_names = set(WHEEL_SPEEDS) <= names <= set(_COMPARED)
+        has_names = names.issuperset(WHEEL_SPEEDS) and names.issubset(_COMPARED)
         has_values = len(sizes) == 1 and all(0.0 < unit < math.inf for unit in units)
         if not (self.version == VERSION and has_names and has_values):
             raise ValueError(f"no fingerprint of a run in version {VERSION} of its format")
@@ -103,19 +102,18 @@ def _agree(a: _View, other: Log, step: float) -> bool:
         exact_lag += change
         lag = int(np.ceil(exact_lag))
         b = _view_of(other, step, (lag - exact_lag) * step)
-        sizes = a["wheels"].size, b["wheels"].size
-        if min(min(sizes), max(sizes) - abs(lag)) < LIMITS.run_fewest:
+        shorter, longer = sorted((a["wheels"].size, b["wheels"].size))
+        if min(shorter, longer - abs(lag)) < LIMITS.run_fewest:
             return False
     return _is_one_run(a, b, lag)
 
 
 def _is_one_run(view: _View, other: _View, lag: int) -> bool:
     """Whether D, the median over the channels, and r show one run; ``lag`` as in `_overlap`."""
-    pairs = {
-        name: _overlap(view[name], other[name], lag)
-        for name in _COMPARED
-        if name in view and name in other and np.ptp(view[name]) + np.ptp(other[name]) > 0.0
-    }
+    pairs: dict[str, tuple[Array, Array]] = {}
+    for name in (channel for channel in _COMPARED if channel in view and channel in other):
+        if np.ptp(view[name]) > 0.0 or np.ptp(other[name]) > 0.0:
+            pairs[name] = _overlap(view[name], other[name], lag)
     spreads = {name: _spread(a, b) for name, (a, b) in pairs.items()}
     wheels = [spreads.pop(name) for name in WHEEL_SPEEDS if name in spreads]
     if wheels:  # they count as one channel

@@ -80,7 +80,8 @@ def _flatness(x: Array) -> float:
 def _saturation(x: Array, step: float) -> float:
     """Time at the highest value [s], if no other value is constant for nearly as long; else 0."""
     top = x.max()
-    if not 10 <= np.count_nonzero(x == top) < x.size:
+    count = np.count_nonzero(x == top)
+    if count < 10 or count == x.size:
         return 0.0
     edges = np.concatenate([[0], np.flatnonzero(np.diff(x)) + 1, [x.size]])
     length, value = np.diff(edges), x[edges[:-1]]  # of each interval of equal values [samples]
@@ -88,7 +89,7 @@ def _saturation(x: Array, step: float) -> float:
     at_top[0] = False  # a value from the first sample on is that of a signal at rest
     longest = int(length[at_top].max(initial=0))
     longest_other = int(length[value < top].max(initial=1))
-    is_long = longest >= 10 and longest * step >= LIMITS.held and longest >= 5 * longest_other
+    is_long = longest >= max(10, 5 * longest_other) and longest * step >= LIMITS.saturated_time
     return longest * step if is_long else 0.0
 
 
@@ -100,11 +101,11 @@ def _may_stay(name: str, x: Array, driving: DrivingRecord | None) -> bool:
         return False
     at_highest = true_intervals(x == x.max())
     start, end = max(at_highest, key=lambda interval: interval[1] - interval[0])
-    start += round(LIMITS.followed / driving.step)
-    followed = slice(start, end - round(SMOOTHING / driving.step))
+    start += round(LIMITS.response_time / driving.step)
+    after_response = slice(start, end - round(SMOOTHING / driving.step))
     # while a driver holds the pressure, z stays; at the end of the sensor's range it would rise
-    z = driving.z[followed][driving.moving[followed]]
-    return z.size > 0 and float(z.max() - z[0]) < LIMITS.presses * float(z.max())
+    z = driving.z[after_response][driving.moving[after_response]]
+    return z.size > 0 and float(z.max() - z[0]) < LIMITS.constant_z * float(z.max())
 
 
 def _stuck(name: str, log: Log, driving: DrivingRecord) -> tuple[tuple[float, float], ...]:
@@ -113,7 +114,7 @@ def _stuck(name: str, log: Log, driving: DrivingRecord) -> tuple[tuple[float, fl
     is_same = np.concatenate([[False], np.diff(log[name]) == 0])
     for start, end in true_intervals(is_same):
         constant = slice(start - 1, end)  # the sample before has the same value
-        is_long = (end - start) * driving.step >= LIMITS.hanging
+        is_long = (end - start) * driving.step >= LIMITS.stuck_time
         if is_long and _others_move(name, log, driving, constant):
             stuck.append((float(driving.time[start - 1]), float(driving.time[end - 1])))
     return tuple(stuck)
@@ -149,8 +150,8 @@ def _is_stuck_pressure(p: Array, driving: DrivingRecord, part: slice, z: Array) 
     if p[part.start] == 0:
         return float(z.max()) > 0.3
     quiet = p[driving.unbraked]
-    is_noisy = quiet.size >= LIMITS.noise_fewest and _flatness(quiet) <= LIMITS.rustles
-    was_released = float(z.min()) < LIMITS.released
+    is_noisy = quiet.size >= LIMITS.noise_fewest and _flatness(quiet) <= LIMITS.noise_flatness
+    was_released = float(z.min()) < LIMITS.released_z
     return was_released or is_noisy or _returns_with_a_jump(p, part.stop)
 
 

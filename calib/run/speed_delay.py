@@ -37,11 +37,12 @@ EVEN, CHANGING = 0.0002, 0.015
 2 m; a crest of 6 km radius changes the grade by 0.005 a second at 30 m/s, a bridge by 0.02."""
 ODDS_ROAD = np.array([0.97, 0.03])  # prior chances of an even and a changing road
 _BRAKES = 1.5  # least deceleration that shows a delay [m/s^2]
-_LIKELY, _SURE = 0.3, 0.95  # chance of a late v from which it is not used as read, is corrected
+_LIKELY = 0.3  # chance of a late v from which v is not used as read
+_SURE = 0.95  # chance of a late v from which it may be corrected
 _STEP = 0.01  # step of the delays that are tried [s]: half of `_SHARP`
 _SHARP = 0.02
-"""Standard deviation of a delay [s] from which v is not used instead of shifted: at 0.5 g it makes
-0.1 m/s, a tenth of the slip."""
+"""Standard deviation of a delay [s] below which a late v is corrected; else v is not used. At 0.5 g
+it makes 0.1 m/s, a tenth of the slip."""
 
 
 @dataclass(frozen=True)
@@ -134,12 +135,13 @@ class _DelayEvidence:
 
     @cached_property
     def whitening(self) -> tuple[Array, float, Array]:
-        """Filter and sigma that make second differences white; basis of the start (k - 2, 2)."""
+        """Filter and sigma that make second differences white; basis (k - 2, 2) of v_0 and e."""
         grade = (G * self.length * self.grade_walk) ** 2 * self.length
         average, sigma = second_differences(*self.noise, grade)
-        # what v_0 and e, both unknown, add to the first two usable differences
-        start = np.eye(self.usable.size, 2, -int(np.argmax(self.usable)))
-        return average, sigma, np.linalg.qr(recursive_filter(start.T, average).T)[0]
+        # v_0 and e, both unknown, change the usable differences `first` and `first` + 1 alone
+        first = int(np.argmax(self.usable))
+        changed = np.eye(self.usable.size, 2, -first)
+        return average, sigma, np.linalg.qr(recursive_filter(changed.T, average).T)[0]
 
     def first_guess(self) -> float:
         """Delay [s] by one Gauss-Newton step from 0, which is cheaper than to try all delays."""
@@ -160,8 +162,8 @@ class _DelayEvidence:
         return self._filtered(self.v - gained), self._filtered(gained)
 
     def _filtered(self, x: Array) -> Array:
-        """Second differences of ``x`` (k,), white with sigma 1, without the unknown start."""
-        average, sigma, start = self.whitening
+        """Second differences of ``x`` (k,), white with sigma 1, without what v_0 and e explain."""
+        average, sigma, basis = self.whitening
         white = recursive_filter(np.where(self.usable, np.diff(x, 2), 0.0), average)
-        white -= start @ (start.T @ white)
+        white -= basis @ (basis.T @ white)
         return np.asarray(white / sigma)

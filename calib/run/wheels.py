@@ -16,13 +16,7 @@ from calib.base.warning import LIMITS
 from calib.car.braking import MOVING
 from calib.logs.log import Log
 from calib.run.driving_record import NOMINAL_RADIUS, DrivingRecord
-from calib.run.filters import (
-    block_mean,
-    centred_mean,
-    median_of_three,
-    samples_in,
-    true_intervals,
-)
+from calib.run.filters import block_mean, centred_mean, median_of_three, samples_in, true_intervals
 
 LOW, HIGH = 0.1, 0.5  # range of deceleration in which the wheels are compared [1]
 
@@ -67,7 +61,7 @@ def mismatch(a: Array, b: Array, mask: Mask, step: float) -> IntervalEstimate | 
 def half_width(x: Array, other_count: float = np.inf) -> Array:
     """Half width of the 95 % interval of the mean of k independent values ``x`` (..., k).
 
-    With an ``other_count``: of the difference to the mean of so many values of the same noise.
+    With ``other_count`` it is that of this mean less that of so many other values, of equal noise.
     """
     from scipy.special import stdtrit
 
@@ -96,9 +90,9 @@ class Axles:
     left_right_f: IntervalEstimate | None  # right over left wheel speed - 1, unbraked [1]
     left_right_r: IntervalEstimate | None
     radius: float | None  # median of v over the wheel speed, unbraked [m]
-    slope: float | None  # of -a_x over the wheels' deceleration: a radius [m], negative: wrong sign
+    slope: float | None  # of -a_x over the wheels' [m]: the radius, or with the wrong sign minus it
     eta_braked: IntervalEstimate | None  # mean eta at 0.2 to 0.5 g less that unbraked [1]
-    eta_most: IntervalEstimate | None  # `_largest_change` at 0.1 to 0.5 g [1]
+    eta_most: IntervalEstimate | None  # the same of the third of 0.1 to 0.5 g where it is largest
 
 
 def axles_of(log: Log, driving: DrivingRecord, slips: Mapping[str, Array]) -> Axles:
@@ -182,10 +176,10 @@ class Slipping:
 
 
 def slipping(slips: Mapping[str, Array], driving: DrivingRecord) -> Slipping:
-    """Find ABS cycles and locked wheels; without ``v`` not where all four slip at once.
+    """Find ABS cycles and locked wheels. Without ``v``, four wheels that slip alike are not found.
 
-    A cycle is a deep slip that the wheel leaves within `LIMITS.abs_cycle`. On a wheel that never
-    does so, each of its `_swings` is a cycle.
+    A cycle is a deep slip that the wheel leaves within `LIMITS.abs_cycle`, or, on a wheel without
+    one, any of its `_swings`.
     """
     braking = driving.braked & driving.moving
     cycles: list[tuple[str, float]] = []

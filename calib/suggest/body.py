@@ -184,7 +184,7 @@ def _reason_against_pressure(
         return None if name_score > 0 else "a pressure, not known to be of the brake"
     everywhere = np.ones(braking.size, bool)
     delay = pressure_delay(clock.time, braking / G, [item.values], [], everywhere)
-    if delay and abs(delay.least) > bounds_of("pressure_late")[1]:
+    if delay and abs(delay.nearest_to_zero) > bounds_of("pressure_late")[1]:
         return (
             f"a pressure that is {delay.words} against the deceleration: take it with --take, "
             f"and put it in time with {delay.entry}"

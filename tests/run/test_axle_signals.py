@@ -29,15 +29,15 @@ def test_axle_means_and_signs():
 
 def test_wheel_pressures_count_where_an_axle_has_both():
     p = RUN["p_mc"]
-    both = changed(RUN, p_fl=0.9 * p, p_fr=0.8 * p, p_rl=0.5 * p, p_rr=0.6 * p)
-    s = signals(both, VEHICLE.rear.rolling_radius)
+    all_pressures = changed(RUN, p_fl=0.9 * p, p_fr=0.8 * p, p_rl=0.5 * p, p_rr=0.6 * p)
+    s = signals(all_pressures, VEHICLE.rear.rolling_radius)
     assert s.p_f == pytest.approx(0.85 * p)
     assert s.p_r == pytest.approx(0.55 * p)
-    front = signals(changed(both, p_rl=None, p_rr=None), VEHICLE.rear.rolling_radius)
-    assert front.p_f == pytest.approx(0.85 * p)
-    assert np.array_equal(front.p_r, p)
-    left = signals(changed(both, p_fr=None, p_rr=None), VEHICLE.rear.rolling_radius)
-    assert np.array_equal(left.p_f, p)
+    front_only = signals(changed(all_pressures, p_rl=None, p_rr=None), VEHICLE.rear.rolling_radius)
+    assert front_only.p_f == pytest.approx(0.85 * p)
+    assert np.array_equal(front_only.p_r, p)
+    left_only = signals(changed(all_pressures, p_fr=None, p_rr=None), VEHICLE.rear.rolling_radius)
+    assert np.array_equal(left_only.p_f, p)
 
 
 def test_speed_without_v_is_that_of_the_rear_wheels():
@@ -82,14 +82,14 @@ def test_a_clutch_that_engages_in_the_lead_in_moves_no_zero_of_eta(sign):
     """For 0.2 s the front wheels turn 0.3 % faster or slower: the rest of the lead-in is kept."""
     run = made_run(stop(start=2.0), noise=1.0)
     t = run.time
-    engaged = (t > 0.8) & (t < 1.0)
-    slip = np.where(engaged, 1.0 + sign * 3e-3, 1.0)
+    is_engaged = (t > 0.8) & (t < 1.0)
+    slip = np.where(is_engaged, 1.0 + sign * 3e-3, 1.0)
     slipping = changed(run, **{w: run[w] * slip for w in ("omega_fl", "omega_fr")})
-    s, before = (signals(log, VEHICLE.rear.rolling_radius) for log in (slipping, run))
-    assert np.mean(before.lead_in[(t > 0.3) & (t < 1.7)]) > 0.98  # noise alone takes nothing
-    assert not np.any(s.lead_in[engaged])
-    assert s.lead_in.sum() > 0.7 * before.lead_in.sum()
-    eta, clean = (np.mean((x.omega_r / x.omega_f)[x.lead_in]) for x in (s, before))
+    s, undisturbed = (signals(log, VEHICLE.rear.rolling_radius) for log in (slipping, run))
+    assert np.mean(undisturbed.lead_in[(t > 0.3) & (t < 1.7)]) > 0.98  # noise alone takes nothing
+    assert not np.any(s.lead_in[is_engaged])
+    assert s.lead_in.sum() > 0.7 * undisturbed.lead_in.sum()
+    eta, clean = (np.mean((x.omega_r / x.omega_f)[x.lead_in]) for x in (s, undisturbed))
     assert eta == pytest.approx(clean, abs=5e-5)  # 3e-4 and more with it
 
 
@@ -109,7 +109,7 @@ TIME = np.arange(0.0, 10.0, DT)
 
 
 def slowing(bite=0.0):
-    """A wheel that rolls for 3 s at 90 rad/s and is then braked, with a slip of ``bite`` [1]."""
+    """Speed of a wheel that rolls for 3 s at 90 rad/s and is then braked, with a slip ``bite``."""
     slip = bite * np.clip((TIME - 3.0) / 0.3, 0.0, 1.0)
     return (90.0 - 8.0 * np.maximum(TIME - 3.0, 0.0)) * (1.0 - slip)
 
@@ -128,8 +128,8 @@ def test_a_ring_is_told_by_the_angle_of_its_wheel(size, phase, order, seed):
     omega = slowing(bite=0.02)
     noise = 0.02 * np.random.default_rng(seed).standard_normal(TIME.size)
     read = omega * (1.0 + size * np.cos(order * angle(omega) + phase)) + noise
-    left = (without_runout(read, DT) - noise) / omega - 1.0
-    assert np.sqrt(np.mean(left[TIME < 8.0] ** 2)) < 0.15 * size
+    residual = (without_runout(read, DT) - noise) / omega - 1.0
+    assert np.sqrt(np.mean(residual[TIME < 8.0] ** 2)) < 0.15 * size
 
 
 @given(st.integers(0, 2**31), st.floats(0.0, 0.03))

@@ -14,8 +14,8 @@ WEIGHT = 16000.0
 
 def made_balance(demanded):
     """The balance of a car whose tyres carry ``demanded`` [N] (n,) and nothing else."""
-    none = np.zeros_like(demanded)
-    return ForceBalance(none + 9000.0, none + 7000.0, none, none, none, none, none, demanded)
+    zero = np.zeros_like(demanded)
+    return ForceBalance(zero + 9000.0, zero + 7000.0, zero, zero, zero, zero, zero, demanded)
 
 
 def pedal(t):
@@ -26,28 +26,28 @@ def pedal(t):
 
 def run(demanded, *, seed=0, noise=0.005, speed=20.0):
     """The run and its forces; noise of z in g at 200 Hz."""
-    rest = noise * WEIGHT * np.random.default_rng(seed).standard_normal(TIME.size)
+    noise_of_force = noise * WEIGHT * np.random.default_rng(seed).standard_normal(TIME.size)
     nominal = pedal(TIME)
-    one = np.ones_like(TIME)
+    ones = np.ones_like(TIME)
     s = Signals(
-        time=TIME, p_f=nominal * 1e3, p_r=nominal * 1e3, drive_f=0.0 * one, drive_r=0.0 * one,
-        z=one, omega_f=one, omega_r=one, v=None,
-        speed=speed * one, lead_in=TIME < 1.2, sample_time=0.005,
+        time=TIME, p_f=nominal * 1e3, p_r=nominal * 1e3, drive_f=0.0 * ones, drive_r=0.0 * ones,
+        z=ones, omega_f=ones, omega_r=ones, v=None,
+        speed=speed * ones, lead_in=TIME < 1.2, sample_time=0.005,
     )  # fmt: skip
     forces = BrakeBalance(
         nominal_f=0.7 * nominal,
         nominal_r=0.3 * nominal,
-        balance=made_balance(demanded + rest),
+        balance=made_balance(demanded + noise_of_force),
         active=(nominal > 200.0),
     )
     return s, forces
 
 
-def brake_force(level=0.8, force=0.0, lag=0.0, shift=0.0, fade=0.0, rest=0.0):
-    """Demanded brake force [N] with a force, lag or shift [s], fade [1/s] and ``rest`` [N]."""
+def brake_force(level=0.8, force=0.0, lag=0.0, shift=0.0, fade=0.0, resistance=0.0):
+    """Demanded brake force [N] with a force, lag or shift [s], fade [1/s], resistance [N]."""
     n = pedal(TIME - shift)
     n = first_order(TIME, n, lag) if lag else n
-    return level * n * (1.0 - fade * TIME) + force * (pedal(TIME - shift) > 200.0) + rest
+    return level * n * (1.0 - fade * TIME) + force * (pedal(TIME - shift) > 200.0) + resistance
 
 
 @pytest.mark.parametrize("seed", range(2))
@@ -81,12 +81,12 @@ def test_a_hydraulic_lag(lag):
 
 
 def test_fade_and_a_bias_are_not_taken_for_force():
-    response = brake_response(*run(brake_force(fade=0.03, rest=0.03 * WEIGHT)))
+    response = brake_response(*run(brake_force(fade=0.03, resistance=0.03 * WEIGHT)))
     assert abs(response.share) < 0.03
 
 
 def stopping(force):
-    """Brakes to 1 m/s, with a force besides [N] that goes from 3 m/s on; noise of z 0.005 g."""
+    """A run braked to 1 m/s, with a further force [N] that fades from 3 m/s on."""
     speed = np.maximum(22.0 - 4.3 * np.clip(TIME - 1.5, 0.0, None), 0.5)
     fades = force * np.clip(speed - 1.0, 0.0, 2.0) / 2.0 * (pedal(TIME) > 200.0)
     return run(brake_force() + fades, speed=speed)
@@ -120,6 +120,6 @@ def test_brakes_that_follow_the_pressure_and_fade_with_the_speed_show_no_force_w
 
 def test_nothing_is_said_of_a_run_without_braking():
     s, forces = run(brake_force())
-    none = np.zeros_like(forces.active)
-    silent = BrakeBalance(forces.nominal_f, forces.nominal_r, forces.balance, none)
+    never = np.zeros_like(forces.active)
+    silent = BrakeBalance(forces.nominal_f, forces.nominal_r, forces.balance, never)
     assert brake_response(s, silent) is None

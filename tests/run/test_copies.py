@@ -16,20 +16,20 @@ from tests.support.reference_car import IDEAL, REAL, noisy, ramp
 RUN = made_run(stop())
 
 
-def straight(x, longest=50.0):
+def interpolated(x, longest=50.0):
     arrivals = _arrivals(x, longest)
     return x if arrivals is None else np.interp(np.arange(x.size), arrivals, x[arrivals])
 
 
-def held(x, period):
+def held_for(period, x):
     return np.repeat(x[::period], period)[: x.size]
 
 
 @given(st.integers(2, 20), st.integers(0, 19), st.integers(0, 2**32 - 1))
 def test_noise_that_is_held_keeps_its_values_where_they_came(period, phase, seed):
     noise = np.random.default_rng(seed).normal(size=2000)
-    x = held(noise, period)[phase:]
-    straightened = straight(x)
+    x = held_for(period, noise)[phase:]
+    straightened = interpolated(x)
     changes = np.concatenate([[0], np.flatnonzero(np.diff(x)) + 1])
     assert _mean_period(x) == period
     np.testing.assert_allclose(straightened[changes], x[changes])
@@ -39,14 +39,15 @@ def test_noise_that_is_held_keeps_its_values_where_they_came(period, phase, seed
 
 
 def test_a_value_that_stays_for_long_came_again_with_each_period():
-    x = held(np.concatenate([np.arange(300.0), np.full(200, 300.0), np.arange(300.0, 0.0, -1)]), 10)
-    assert np.all(straight(x)[310:480] == 300.0)
+    values = np.concatenate([np.arange(300.0), np.full(200, 300.0), np.arange(300.0, 0.0, -1)])
+    x = held_for(10, values)
+    assert np.all(interpolated(x)[310:480] == 300.0)
 
 
 @pytest.mark.parametrize("period", [1, 60, 500])
 def test_what_changes_with_its_clock_or_is_kept_for_too_long_is_not_changed(period):
-    x = held(np.random.default_rng(1).normal(size=5000), period)
-    assert straight(x) is x
+    x = held_for(period, np.random.default_rng(1).normal(size=5000))
+    assert interpolated(x) is x
 
 
 def test_messages_that_do_not_fall_on_the_samples_are_told():
@@ -67,7 +68,7 @@ def test_one_signal_under_two_names_is_found_also_where_both_are_held():
     assert list(copied_pairs(RUN, names)) == []
     same = changed(RUN, omega_fr=1.001 * RUN["omega_fl"])
     assert [pair for *pair, _ in copied_pairs(same, names)] == [["omega_fl", "omega_fr"]]
-    seldom = changed(same, **{name: held(same[name], 5) for name in names})
+    seldom = changed(same, **{name: held_for(5, same[name]) for name in names})
     assert [pair for *pair, _ in copied_pairs(seldom, names)] == [["omega_fl", "omega_fr"]]
 
 

@@ -51,8 +51,8 @@ def test_lead_in_ends_before_the_brake_and_is_all_of_a_coast():
 def test_short_touch_is_no_event_and_short_release_does_not_end_one():
     def pressure(t):
         touch = (t > 1.0) & (t < 1.15)
-        held = (t > 2.0) & (t < 5.0) & ~((t > 3.0) & (t < 3.1))
-        return 20.0 * (touch | held)
+        pressed = (t > 2.0) & (t < 5.0) & ~((t > 3.0) & (t < 3.1))
+        return 20.0 * (touch | pressed)
 
     (event,) = events_of(made_run(pressure))
     assert (event.start, event.end) == (pytest.approx(2.0, abs=0.06), pytest.approx(5.0, abs=0.06))

@@ -23,7 +23,7 @@ def typical(name):
     return {p.name: p.typical for p in CATALOGUE[name].card.parameters}
 
 
-def known(effects, *terms):
+def car_with(effects, *terms):
     return replace(SEDAN, effects=Effects(effects, terms))
 
 
@@ -48,7 +48,7 @@ def test_nothing_known_changes_nothing():
 def test_every_effect_comes_out_again(name):
     effects = {name: typical(name)}
     log = driven(effects, wave, temperature=HOT)
-    ran = remove_known_effects(known(effects), log)
+    ran = remove_known_effects(car_with(effects), log)
     for w in WHEELS:
         wheel = axle(ran.vehicle, w)
         torque = forces.brake_torque(wheel, wheel.pad_friction, pressure_of(ran.log, w))
@@ -69,7 +69,7 @@ def test_every_effect_comes_out_again(name):
 )
 def test_a_channel_that_is_late_comes_out_as_without_the_delay(name, channel, most):
     late, right = driven({name: typical(name)}, wave), driven({}, wave)
-    ran = remove_known_effects(known({name: typical(name)}), late)
+    ran = remove_known_effects(car_with({name: typical(name)}), late)
     assert np.max(np.abs(late[channel] - right[channel])) > 5.0 * most
     assert np.max(np.abs(ran.log[channel] - right[channel])) < most
 
@@ -79,7 +79,7 @@ def test_wheels_that_are_late_keep_their_slip_and_lose_the_delay(with_v):
     name = "wheel_speed_delay"
     late, right = driven({name: typical(name)}, wave), driven({}, wave)
     channels = {k: x for k, x in late.channels.items() if with_v or k != "v"}
-    ran = remove_known_effects(known({name: typical(name)}), replace(late, channels=channels))
+    ran = remove_known_effects(car_with({name: typical(name)}), replace(late, channels=channels))
     for w in WHEELS:
         turned = right[f"omega_{w}"] / right["v"]
         by_slip = 0.02 * np.gradient(turned, right.time) * right["v"]
@@ -102,7 +102,7 @@ def _with_term(term, heat=None):
 def test_a_term_that_cannot_be_taken_out_is_refused():
     term = EmpiricalTerm("body", "temperature", (0.0, 100.0), (0.0, 0.1))
     with pytest.raises(ModelError, match="over temperature"):
-        remove_known_effects(known({}, term), driven({}, wave))
+        remove_known_effects(car_with({}, term), driven({}, wave))
 
 
 OVER_HEAT = ((0.0, 500.0), (0.0, -0.5))
@@ -115,7 +115,7 @@ def test_a_term_over_temperature_reads_the_discs_of_its_own_axle(place):
     term = EmpiricalTerm(place, "temperature", *OVER_HEAT)
     heat = {"f": np.full(801, 100.0), "r": np.full(801, 400.0)}
     log = _with_term(term, heat)
-    ran = remove_known_effects(known({}, term), log)
+    ran = remove_known_effects(car_with({}, term), log)
     n = log.time.size
     front, rear = 0.9 if place != "rear_brakes" else 1.0, 0.6 if place != "front_brakes" else 1.0
     factors = {"f": front, "r": rear}
@@ -138,4 +138,4 @@ def test_a_temperature_that_a_term_needs_is_not_guessed(place, missing):
         _with_term(term, heat)
     log = replace(driven({}, wave, temperature=heat), source="stop_7.csv")
     with pytest.raises(ModelError, match=f"stop_7.csv: .*T_disc_{missing}"):
-        remove_known_effects(known({}, term), log)
+        remove_known_effects(car_with({}, term), log)

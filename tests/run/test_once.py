@@ -19,22 +19,22 @@ OF_A_LOG = (
 )  # fmt: skip
 
 
-def calls(work):
-    """What ``work`` gives, and how often it called each function behind a `Run`."""
+def with_calls(work):
+    """Return the result of ``work``, and how often it called each function behind a `Run`."""
     profile = cProfile.Profile()
-    given = profile.runcall(work)
+    result = profile.runcall(work)
     counted = Counter()
     for (file, _, name), (_, number, *_) in pstats.Stats(profile).stats.items():
         if Path(file).parent.name == "run" and Path(file).name != "run.py":
             counted[name] += number
-    return given, counted
+    return result, counted
 
 
 @pytest.fixture(scope="module")
 def fitted():
     coast = as_log(drive(REAL, lambda t: 0.0, 32.0, duration=6.0), "coast")
     logs = [noisy(ramp(REAL), 1), noisy(coast, 2)]
-    return calls(lambda: fit(CAR, logs))
+    return with_calls(lambda: fit(CAR, logs))
 
 
 def test_a_fit_makes_each_view_of_a_log_once(fitted):
@@ -49,7 +49,7 @@ def test_a_validation_makes_each_view_of_a_log_once(fitted):
     """Beside it the ECU has signals of its own, which know nothing of what comes later."""
     table, _ = fitted
     log = noisy(stop(REAL), 3)
-    _, counted = calls(lambda: validate(table, [log]))
+    _, counted = with_calls(lambda: validate(table, [log]))
     ecu = {"remove_known_effects": 2, "blocks": 2}
     assert {x: counted[x] for x in OF_A_LOG if counted[x] > ecu.get(x, 1)} == {}
     assert counted["causal_signals"] == 2

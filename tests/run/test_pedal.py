@@ -43,7 +43,7 @@ T = np.arange(0.0, 5.0, 0.01)
 
 
 def stop(rise):
-    """Pressure [Pa] that rises to 20 bar within ``rise`` [s] and stays."""
+    """Return a pressure [Pa] that rises to 20 bar within ``rise`` [s] and stays."""
     return 20e5 * np.clip((T - 1.0) / rise, 0.0, 1.0)
 
 

@@ -38,8 +38,9 @@ def with_wheels(log, rear=lambda p: p, **delays):
     p = log["p_mc"]
     wheels = {f"p_{wheel}": rear(p) if wheel[0] == "r" else p for wheel in ("fl", "fr", "rl", "rr")}
     pressures = {"p_mc": p, **wheels}
-    made = {x: np.interp(log.time - delays.get(x, 0.0), log.time, pressures[x]) for x in pressures}
-    return changed(log, **made)
+    for name, p in pressures.items():
+        pressures[name] = np.interp(log.time - delays.get(name, 0.0), log.time, p)
+    return changed(log, **pressures)
 
 
 def estimated_delay(log):
@@ -47,7 +48,7 @@ def estimated_delay(log):
 
 
 def exceeds_limit(delay):
-    return abs(delay.least) > BOUND
+    return abs(delay.nearest_to_zero) > BOUND
 
 
 @pytest.mark.parametrize("name", RUNS)
@@ -136,9 +137,9 @@ def test_wheels_that_do_not_follow_the_pedal_are_told_by_the_deceleration():
     left = np.maximum(log["p_mc"] - 15e5, 0.0)
     torque = -12e3 * 0.3 * (log["p_mc"] - left) / 70e5 * 9.81
     blended = changed(with_wheels(changed(log, p_mc=left)), p_mc=log["p_mc"], T_drive_f=torque)
-    held = np.where(log.time > 9.0, 25e5, 0.0)
+    held_pressure = np.where(log.time > 9.0, 25e5, 0.0)
     still = {x: np.where(log.time > 9.0, 0.0, log[x]) for x in ("v", "p_mc", "a_x", *OMEGAS)}
-    parked = changed(with_wheels(log, lambda p: p + held), **still)
+    parked = changed(with_wheels(log, lambda p: p + held_pressure), **still)
     for honest in (blended, parked):
         assert not any(exceeds_limit(x) for x in Run(honest).pressures.values())
         assert not [x for x in why_not(honest, "validate") if "pressure" in x]

@@ -103,9 +103,9 @@ def test_a_pressure_that_is_held_is_not_stuck():
 
 def test_a_pressure_that_is_held_is_not_at_the_end_of_its_range():
     log = made_run(lambda t: np.clip(40.0 * (t - 0.3), 0.0, 40.0), duration=6.0)
-    held = changed(log, p_mc=np.round(log["p_mc"] / 1e5) * 1e5)
-    assert _saturation(held["p_mc"], 0.005) > 1.0  # by its values alone it could be
-    assert sensor(held, "p_mc").saturated == 0.0
+    rounded = changed(log, p_mc=np.round(log["p_mc"] / 1e5) * 1e5)
+    assert _saturation(rounded["p_mc"], 0.005) > 1.0  # by its values alone it could be
+    assert sensor(rounded, "p_mc").saturated == 0.0
 
 
 def test_a_pressure_beyond_its_range_is_at_its_end():

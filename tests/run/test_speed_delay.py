@@ -8,6 +8,7 @@ import pytest
 from calib.base.names import G
 from calib.run.axle_signals import signals
 from calib.run.speed_delay import speed_delay
+from tests.support.made_runs import changed
 from tests.support.reference_car import CAR, REAL, noisy, ramp, stop
 
 RUNS = {
@@ -15,10 +16,6 @@ RUNS = {
     "stop": noisy(stop(REAL), 2),
     "stop on a slope": noisy(stop(replace(REAL, grade=0.12)), 3),
 }
-
-
-def changed(log, **channels):
-    return replace(log, channels={**log.channels, **channels})
 
 
 def late(log, delay):
