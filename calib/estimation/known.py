@@ -14,7 +14,7 @@ from calib.car.effects.effects import Effects
 from calib.car.forces import axle_loads
 from calib.car.vehicle import Vehicle
 from calib.run.resistance import DRAG, RESISTANCE, ROLLING, Resistance
-from calib.table.budget import pad_levels
+from calib.table.budget import level_and_ratio
 from calib.table.table import Table
 
 
@@ -29,7 +29,7 @@ def nominal_car(table: Table, vehicle: Vehicle | None = None) -> Vehicle:
     car = table.vehicle
     if vehicle:
         return car.with_pads(vehicle.front.pad_friction, vehicle.rear.pad_friction)
-    scale = math.exp(pad_levels(car, table.calibration).level)
+    scale = math.exp(level_and_ratio(car, table.calibration).level)
     return car.with_pads(scale * car.front.pad_friction, scale * car.rear.pad_friction)
 
 

@@ -39,7 +39,7 @@ from calib.run.brake_response import brake_response
 from calib.run.exchanged_wheels import crossed_diagonal
 from calib.run.resistance import Resistance
 from calib.run.run import Run
-from calib.table.budget import pad_levels
+from calib.table.budget import level_and_ratio
 from calib.table.table import Table
 
 _BINS = np.array([0.05, 0.08, 0.12, 0.17, 0.24, 0.33, 0.45, 0.6, 1.0])
@@ -140,7 +140,7 @@ def _level_change(e: Estimate, resistance: Resistance, i: int) -> tuple[float, f
     variance += (sigma_z / max(float(e.read.z[i]), 0.02)) ** 2
     # without the error of the mass, so that another load shows
     variance += sum(x for part, x in e.table.budget.level.items() if part != "mass")
-    log_level_of_ramp = pad_levels(e.table.vehicle, e.table.calibration).level
+    log_level_of_ramp = level_and_ratio(e.table.vehicle, e.table.calibration).level
     return math.log(best.level.value[i]) - log_level_of_ramp, math.sqrt(variance)
 
 

@@ -7,14 +7,14 @@ from calib.base.errors import VehicleError
 from calib.base.intervals import Z95
 from calib.base.warning import Measured, PlausibilityWarning, bounds_of, relative
 from calib.car.vehicle import Vehicle
-from calib.table.budget import grade_sigma, pad_levels
+from calib.table.budget import grade_sigma, level_and_ratio
 from calib.table.table import Calibration, Value
 
 _POSSIBLE = (0.05, 1.0)  # range of pad friction [1]: soaked pads have 0.1, racing pads 0.7
 _GRADES = 0.26
 """Largest ratio of front to rear pads over that of the file (logarithm): two grades differ by 30 %.
 If the whole 95 % interval is beyond, the file is of another car."""
-_LOADED = 0.25  # largest change of the brakes (logarithm) by load or sensor; soaked pads lose half
+_LOADED = 0.25  # largest change (logarithm) that may be one of load or sensor: wet pads change more
 
 
 def require_possible_pads(
@@ -59,8 +59,9 @@ def calibration_figures(
     if all(low <= axle.value <= high for axle in axles):
         scale = fitted.pad_scale
         sigma = math.hypot(grade_sigma(vehicle), scale.sigma / scale.value)
-        yield Measured("pads_off_file", pad_levels(vehicle, fitted).level, sigma, math.expm1)
+        yield Measured("pads_off_file", level_and_ratio(vehicle, fitted).level, sigma, math.expm1)
     rho, expected = fitted.pad_log_ratio, user_specified.value if user_specified else 0.0
+    # judged against the expected ratio, shown against that of the file
     yield Measured("pad_ratio", rho.value - expected, rho.sigma, lambda x: math.expm1(expected + x))
     yield Measured("tyre_stiffness", fitted.slip_stiffness.value)
 

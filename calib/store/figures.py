@@ -13,7 +13,7 @@ from calib.store.signature import signer
 from calib.store.snapshot import StoreEntry
 from calib.store.state import DRAFT, REJECTED, RELEASED
 from calib.store.version import Stored
-from calib.table.budget import pad_levels
+from calib.table.budget import level_and_ratio
 from calib.table.table import Scatter, Table, Value
 
 
@@ -81,7 +81,7 @@ def mean_figures(table: Table) -> tuple[_MeanFigure, ...]:
     t95 = quantile95(spread.freedom)
     row_of_peak = int(np.argmax(np.abs(table.difference.D)))
     eta, D = table.difference.peak
-    pads = pad_levels(table.vehicle, table.calibration)
+    pads = level_and_ratio(table.vehicle, table.calibration)
 
     def figure(name: str, value: float, scatter: Scatter, unit: float = 1.0) -> _MeanFigure:
         return _MeanFigure(name, value, t95 * scatter.of_mean / unit, scatter.between / unit)

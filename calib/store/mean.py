@@ -37,7 +37,7 @@ from calib.fitting.curves import paper_of
 from calib.fitting.ensemble import TABLE_DRAWS, ensemble_of
 from calib.fitting.maps import maps
 from calib.fitting.pads import calibration_of
-from calib.table.budget import PadLevels, pad_levels, pad_scale, per_run, shared
+from calib.table.budget import LevelAndRatio, level_and_ratio, pad_scale, per_run, shared
 from calib.table.curves import DifferenceCurve, TyreCurve
 from calib.table.maps import Draws, LevelMap, PadMap
 from calib.table.table import Table, Value
@@ -89,7 +89,7 @@ def mean_pads(tables: Sequence[Table]) -> tuple[dict[str, Any], RandomEffects]:
     values, per_run_variances = [], []  # (k, 3)
     for table in tables:
         stiffness = table.calibration.slip_stiffness.value
-        values.append([*pad_levels(table.vehicle, table.calibration), math.log(stiffness)])
+        values.append([*level_and_ratio(table.vehicle, table.calibration), math.log(stiffness)])
         budget = vars(table.budget)
         per_run_variances.append([per_run(budget[name]) for name in _LOGARITHMS])
     scatter = random_effects(np.array(values), np.array(per_run_variances))
@@ -100,7 +100,7 @@ def mean_pads(tables: Sequence[Table]) -> tuple[dict[str, Any], RandomEffects]:
     level, ratio, stiffness = scatter.mean.tolist()
     pads, mean_budget = calibration_of(
         vehicle,
-        pad_scale(vehicle, PadLevels(level, ratio)),
+        pad_scale(vehicle, LevelAndRatio(level, ratio)),
         Value(ratio, math.sqrt(sum(parts["ratio"].values()))),
         Value(stiffness, math.sqrt(sum(parts["stiffness"].values()))),
         parts,

@@ -35,7 +35,8 @@ def place(x: Array, curves: Array, points: int) -> Index:
     if points >= n:
         return np.arange(n)
     worst, square = _segments(x, curves)
-    worst_by_count = _least(worst, points, np.maximum)[0][:, n - 1]
+    least_worst, _ = _least(worst, points, np.maximum)
+    worst_by_count = least_worst[:, n - 1]  # up to the last row
     least = worst_by_count[FEWEST:].min()
     # of equal errors take the most points: for usual curves that is ``points``
     count = int(np.flatnonzero(worst_by_count == least)[-1])

@@ -23,8 +23,8 @@ from calib.table.table import Calibration, Table
 Parts = dict[str, float]  # standard deviation of ln of a pad friction [1], by part
 _Variances = Mapping[str, float]  # variance of ln of the pads' level or ratio [1], by part
 PER_RUN = ("noise", "zeros")
-"""Parts that differ from run to run of a car. All other parts, such as mass and road, count as
-common to the cars of a line; what differs from car to car is in the scatter between cars."""
+"""Parts that differ from run to run of a car. Any other part, such as mass or road, counts as one
+error common to all cars of a line. What differs between cars shows in the scatter between them."""
 RAMP, STOP = "ramp", "stop"  # kinds of a budget: of a fit, of a stop
 _WEIGHED = 0.99 * Vehicle.mass_tolerance  # sigma of a mass below which the car was weighed [1]
 
@@ -110,7 +110,8 @@ def advice_lines(axles: Iterable[Parts], kind: str = RAMP) -> list[str]:
     ['brake twice as long: front ±4 % -> ±3 %, rear ±8 % -> ±6 %']
     """
     budgets = list(axles)
-    widest = [max(side, key=_sigma) for side in (budgets[::2], budgets[1::2]) if side]
+    front, rear = budgets[::2], budgets[1::2]
+    widest = [max(axle, key=_sigma) for axle in (front, rear) if axle]
     lines = []
     for advice in _ADVICE:
         reduced = [advice.remaining(parts) for parts in widest]
@@ -156,7 +157,7 @@ def axle_parts(
     return of_axle(1.0 - share), of_axle(share)
 
 
-class PadLevels(NamedTuple):
+class LevelAndRatio(NamedTuple):
     """ln of the ``level`` and of the ``ratio`` of the pads, relative to the vehicle file [1]."""
 
     level: float
@@ -173,15 +174,15 @@ def grade_sigma(vehicle: Vehicle) -> float:
     return CAR.log_pad_ratio.sigma / math.sqrt(2.0) if tolerance is None else tolerance
 
 
-def pad_levels(vehicle: Vehicle, pads: Calibration) -> PadLevels:
+def level_and_ratio(vehicle: Vehicle, pads: Calibration) -> LevelAndRatio:
     """Return level and ratio of the pads of a calibration, by (2) for both axles."""
     front = pads.pad_friction_f.value / vehicle.front.pad_friction
     rear = pads.pad_friction_r.value / vehicle.rear.pad_friction
     share = front_share(vehicle, 0.0)
-    return PadLevels(math.log(share * front + (1.0 - share) * rear), math.log(front / rear))
+    return LevelAndRatio(math.log(share * front + (1.0 - share) * rear), math.log(front / rear))
 
 
-def pad_scale(vehicle: Vehicle, levels: PadLevels) -> float:
+def pad_scale(vehicle: Vehicle, pads: LevelAndRatio) -> float:
     """Factor on the pads of the file [1], beside exp(ratio/2) in front and exp(-ratio/2) behind."""
-    share, factor = front_share(vehicle, 0.0), math.exp(0.5 * levels.ratio)
-    return math.exp(levels.level) / (share * factor + (1.0 - share) / factor)
+    share, factor = front_share(vehicle, 0.0), math.exp(0.5 * pads.ratio)
+    return math.exp(pads.level) / (share * factor + (1.0 - share) / factor)

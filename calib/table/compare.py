@@ -45,8 +45,8 @@ class _CurveGap:
     largest: float  # difference of the largest magnitude
     at: float  # place of `largest` on that axis
     in_bands: float
-    """Value that |b - a| over the combined half width of both bands does not exceed in 95 % of the
-    cells; cells of a pad map count by their share of the stops."""
+    """95 % quantile of |b - a| over the combined half width of both bands, in all cells; those of a
+    pad map count by their share of the stops."""
 
 
 @dataclass(frozen=True)
@@ -212,7 +212,7 @@ def _flat(value: object, path: str = "") -> dict[str, str]:
 def inputs_digest(record: dict[str, Any]) -> str:
     """SHA-256 of the inputs of the fit in a record: name, vehicle, logs, settings, program."""
     provenance = record["provenance"]
-    # numbers of a fingerprint follow from the log
+    # the numbers of a fingerprint follow from the log: only whether there is one counts
     logs = [{**log, "fingerprint": "fingerprint" in log} for log in provenance["logs"]]
     inputs = {name: record.get(name) for name in ("name", "vehicle")}
     inputs["provenance"] = {**provenance, "logs": logs}

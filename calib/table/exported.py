@@ -21,6 +21,7 @@ from calib.table.curves import DifferenceCurve, PaperCurves, TyreCurve
 from calib.table.maps import MAPS, Map
 from calib.table.table import Table
 
+_Curve = TypeVar("_Curve", DifferenceCurve, PaperCurves, TyreCurve)
 BITS = (8, 16, 32)  # widths of the signed integer types of C
 LEAST_BITS = 16
 """Least number of bits for axes of a map, which need small steps near 0, and scalars of a table."""
@@ -174,8 +175,7 @@ def _rows(whole: Map, i: int, points: int | None) -> Index:
     share = whole.grid("share") if "share" in whole.names else 1.0  # of the stops
     weight = share / np.maximum(width, _LEAST_WIDTH) ** 2
 
-    def curves(grid: Array) -> Array:
-        """Slices of a grid along the axis (k, n)."""
+    def curves(grid: Array) -> Array:  # slices of a grid along the axis, (k, n)
         return np.moveaxis(grid, i, -1).reshape(-1, x.size)
 
     names = [name for name in whole.names if name not in _NOT_READ]
@@ -212,18 +212,15 @@ def as_exported(table: Table, how: Precision) -> Table:
         maps[name] = whole.from_grids(axes, **columns)
     return replace(
         table,
-        paper=_curve(p, rows, how, "eta", 1.0, "f1", "f2"),
-        difference=_curve(d, rows, how, "eta", 1.0, "D"),
-        tyre=_curve(g, tyre_rows, how, "slip", 0.0, "force"),
+        paper=_curve(p, rows, how, "eta", ("f1", "f2"), origin=1.0),
+        difference=_curve(d, rows, how, "eta", ("D",), origin=1.0),
+        tyre=_curve(g, tyre_rows, how, "slip", ("force",), origin=0.0),
         **maps,
     )
 
 
-_Curve = TypeVar("_Curve", DifferenceCurve, PaperCurves, TyreCurve)
-
-
 def _curve(
-    curve: _Curve, rows: Index, how: Precision, axis: str, origin: float, *names: str
+    curve: _Curve, rows: Index, how: Precision, axis: str, names: tuple[str, ...], origin: float
 ) -> _Curve:
     """Return ``rows`` of a curve; the axis and the columns ``names`` are as an ECU reads them."""
     columns = {name: column[rows] for name, column in vars(curve).items()}

@@ -41,7 +41,8 @@ def _shapes(table: Table) -> Iterator[str]:
 
 def require_finite(table: Table) -> None:
     """Raise NotFiniteError with the name of the quantity if a number is not finite."""
-    for flaw in _finite(table):
+    flaw = next(_finite(table), None)
+    if flaw is not None:
         raise not_finite(flaw.partition(":")[0], table.name)  # the name is before the colon
 
 

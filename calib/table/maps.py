@@ -1,8 +1,7 @@
 """The maps of a table: level and ratio of the pads over what an ECU measures, with 95 % bounds.
 
 The bounds count what the ramp left open and how a stop may differ from the ramp. A map is stored as
-flat columns, row-major over its axes, so that it is a plain table in every file format. `Draws` are
-the cars from which the maps are made.
+flat columns, row-major over its axes. `Draws` are the cars from which the maps are made.
 """
 
 from collections.abc import Sequence
@@ -75,9 +74,10 @@ class Map:
 
 
 class Reader:
-    """Interpolates ``columns`` of a map, linearly in each cell: c names, or r rows of c names.
+    """Interpolates columns of a map, linearly in each cell.
 
-    The result has the shape of the names, (c,) or (r, c), and after it that of the points.
+    ``columns`` are c names, or r rows of c names. The result has their shape, (c,) or (r, c),
+    followed by that of the points.
     """
 
     def __init__(self, m: Map, columns: Sequence[str] | Sequence[Sequence[str]]) -> None:
@@ -102,12 +102,10 @@ class Reader:
             high = np.minimum(low + 1, axis.size - 1)
             width = np.where(high > low, axis[high] - axis[low], 1.0)  # an axis may be one point
             share = np.clip((x - axis[low]) / width, 0.0, 1.0)
-            ends = (low, 1.0 - share), (high, share)
-            corners = [
-                (row * axis.size + place, weight * part)
-                for row, weight in corners
-                for place, part in ends
-            ]
+            corners_before, corners = corners, []
+            for row, weight in corners_before:
+                corners.append((row * axis.size + low, weight * (1.0 - share)))
+                corners.append((row * axis.size + high, weight * share))
         values = np.zeros((self._columns.shape[0], *shape))
         for row, weight in corners:
             values += self._columns.take(row, axis=1) * weight

@@ -55,8 +55,8 @@ def unseen_entries(table: Table, v: bool, mass: float | None = None) -> list[Uns
     up_to = {entry.entry: entry.up_to for entry in entries}
     # wrong pads of the file give a warning at the same error as a wrong piston area
     weight, sigma = _nominal_weight(table), grade_sigma(table.vehicle)
-    for axle, ratio in (("front", weight), ("rear", -weight)):
-        pads = _unseen(table, f"{axle}.pad_friction", sigma, 0.0, ratio)
+    for axle, ratio_change in (("front", weight), ("rear", -weight)):
+        pads = _unseen(table, f"{axle}.pad_friction", sigma, 0.0, ratio_change)
         entries.append(pads._replace(up_to=up_to[f"{axle}.piston_area"]))
 
     def order(entry: Unseen) -> tuple[float, float]:
@@ -78,8 +78,8 @@ def _entries(
 ) -> Iterator[tuple[str, float | None, float, float]]:
     """Yield name, doubt, change of ln of the pads' level and change of ln of their ratio.
 
-    The changes are per relative error of the entry. Of the ratio only the part that comes from eta
-    changes; the other part comes from the pads of the vehicle file.
+    The changes are per relative error of the entry. The fitted ratio is a mean of the ratio by eta,
+    which changes, and that of the vehicle file, which stays.
     """
     share, by_eta = _front_share(table), 1.0 - _nominal_weight(table)
     yield "mass", mass, 1.0, 0.0

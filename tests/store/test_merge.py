@@ -13,7 +13,7 @@ from calib.base.errors import RevisionError
 from calib.estimation.estimator import estimate
 from calib.store.merge import merge
 from calib.store.state import OUTSIDE, VersionState
-from calib.table.budget import pad_levels
+from calib.table.budget import level_and_ratio
 from calib.table.invariants import violations
 from tests.support.cars_of_a_line import car_table, cars, version
 from tests.support.reference_car import WET, noisy, stop
@@ -66,8 +66,8 @@ def test_the_mean_is_sound_and_the_order_of_the_cars_does_not_matter(stiffness, 
 def test_pads_and_stiffness_are_the_means_of_logarithms():
     made = [car_table(1, 26.0, -0.03, 0.02), car_table(2, 28.0, 0.05, -0.04)]
     mean = merge([version(table, n) for n, table in enumerate(made, 1)], "golden")
-    levels = [pad_levels(VEHICLE, table.calibration) for table in made]
-    mean_levels = pad_levels(VEHICLE, mean.calibration)
+    levels = [level_and_ratio(VEHICLE, table.calibration) for table in made]
+    mean_levels = level_and_ratio(VEHICLE, mean.calibration)
     assert mean_levels.ratio == pytest.approx(-0.01)
     assert mean_levels.level == pytest.approx(0.5 * (levels[0].level + levels[1].level))
     assert mean.calibration.slip_stiffness.value == pytest.approx(math.sqrt(26.0 * 28.0))

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.base.plain import rows
-from calib.table.budget import RAMP, STOP, advice_lines, axle_parts, pad_levels, pad_scale
+from calib.table.budget import RAMP, STOP, advice_lines, axle_parts, level_and_ratio, pad_scale
 from tests.support.cars_of_a_line import car_table
 from tests.support.tables import VEHICLE
 
@@ -53,7 +53,7 @@ def force(mu_f, mu_r):
 @given(st.floats(-0.3, 0.3), st.floats(-0.3, 0.3))
 def test_the_level_is_the_brake_force_of_both_axles_and_the_way_back_is_exact(level, ratio):
     pads = car_table(1, level=level, ratio=ratio).calibration
-    levels = pad_levels(VEHICLE, pads)
+    levels = level_and_ratio(VEHICLE, pads)
     nominal = force(VEHICLE.front.pad_friction, VEHICLE.rear.pad_friction)
     calibrated = force(pads.pad_friction_f.value, pads.pad_friction_r.value)
     assert levels.level == pytest.approx(math.log(calibrated / nominal), abs=1e-12)

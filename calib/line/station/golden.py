@@ -23,7 +23,7 @@ from calib.base.intervals import Z95
 from calib.base.random_effects import normal_equivalent
 from calib.store.store import Store
 from calib.store.version import Stored
-from calib.table.budget import pad_levels, per_run
+from calib.table.budget import level_and_ratio, per_run
 from calib.table.table import FleetScatter, Scatter, Table
 
 _OVERLAP = 0.5  # share of the golden range of eta [1] that a car's table must cover to compare D
@@ -76,7 +76,7 @@ def _sigmas(
     table: Table, golden: Table, spread: FleetScatter, end: float | None
 ) -> dict[str, float]:
     """Return the distances in sigma of pads and tyres, and of the largest D up to eta = ``end``."""
-    pads, golden_pads = (pad_levels(t.vehicle, t.calibration) for t in (table, golden))
+    pads, golden_pads = (level_and_ratio(t.vehicle, t.calibration) for t in (table, golden))
     stiffness, mean = (t.calibration.slip_stiffness.value for t in (table, golden))
     budget, freedom = table.budget, spread.freedom
     logarithms = (  # name, difference from the mean, scatter of the cars, variances by part
