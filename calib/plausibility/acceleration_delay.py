@@ -54,7 +54,8 @@ def acceleration_delay(run: Run) -> AccelerationDelay | None:
     time, speed, z, pressure, *lost = block_mean(_signals(run, compared), size)  # each (n,)
     if not np.any(pressure > 0.0):  # the car slows, but not by its brakes
         return None
-    columns = [np.ones_like(time), time - time[0], lost[_TRIED.size // 2]]  # of v_0, e, c: I at 0 s
+    undelayed = lost[_TRIED.size // 2]  # I at a delay of 0 s
+    columns = [np.ones_like(time), time - time[0], undelayed]  # factors of v_0, e and c
     sigma = [_START, _SLOPE, _SCALE]
     noise = white_noise(speed, 2), _COLOUR * G * size * run.blocks.length * white_noise(z, 2)
     if not has_v:
@@ -99,7 +100,8 @@ def _posterior(
 ) -> tuple[float, float]:
     """Mean and sigma of tau [s] from ``regained`` [m/s] (m, n), which is u + I at each delay.
 
-    Factors of ``columns`` (n, k) have prior ``sigma`` (k,); ``noise`` of u, of I over a step [m/s].
+    The coefficients of ``columns`` (n, k) have the prior ``sigma`` (k,). ``noise`` [m/s] is that of
+    u, and of I over one `_STEP`.
     """
     white, walk = (max(x, _FINEST) ** 2 for x in noise)
     age = time - time[0]
@@ -110,7 +112,7 @@ def _posterior(
     roots = [np.linalg.cholesky(errors + (G * q) ** 2 * by_slope) for q in (EVEN, CHANGING)]
     misfit = np.array([np.sum(np.linalg.solve(root, regained.T) ** 2, axis=0) for root in roots])
     log_norm = np.array([[np.log(np.diag(root)).sum()] for root in roots])
-    excess = max(float(misfit.min()) / age.size, 1.0)  # variance beyond that of the differences
+    excess = max(float(misfit.min()) / age.size, 1.0)  # true variance over the assumed one
     log_posterior = -0.5 * misfit / excess - log_norm + np.log(ODDS_ROAD)[:, None]
     probability = np.exp(log_posterior - log_posterior.max()).sum(axis=0)  # (m,)
     probability /= probability.sum()

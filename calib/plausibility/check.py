@@ -18,6 +18,12 @@ from calib.run.run import Run, figures
 from calib.run.sensors import Sensor
 from calib.run.wheels import IntervalEstimate
 
+_VIEWS = (
+    "present", "missing", "clock", "sensors", "events", "lead_in", "coasting", "speed", "z",
+    "alone", "pressures", "wheels_held", "axles", "slipping", "wheels",
+)  # fmt: skip
+"""Views of a run in the document of `to_dict`."""
+
 
 @dataclass(frozen=True)
 class _Verdict:
@@ -67,8 +73,8 @@ def check(log: Log, vehicle: Vehicle | None = None) -> Findings:
         _Verdict(purpose, not reasons, tuple(reason.text for reason in reasons))
         for purpose, reasons in refusals.items()
     ]
-    remaining = unexplained(warnings, chain.from_iterable(refusals.values()))
-    return Findings(run, remaining, tuple(verdicts))
+    all_reasons = chain.from_iterable(refusals.values())  # warnings that follow are left out
+    return Findings(run, unexplained(warnings, all_reasons), tuple(verdicts))
 
 
 def unseen(run: Run) -> tuple[str, ...]:
@@ -109,13 +115,6 @@ def _is_canonical(origin: Origin) -> bool:
     offset, one_unit = (to_si(x, quantity.unit, quantity.si) for x in (0.0, 1.0))
     has_factor = math.isclose(origin.factor, one_unit - offset)
     return origin.source == origin.channel and has_factor and origin.offset == offset
-
-
-_VIEWS = (
-    "present", "missing", "clock", "sensors", "events", "lead_in", "coasting", "speed", "z",
-    "alone", "pressures", "wheels_held", "axles", "slipping", "wheels",
-)  # fmt: skip
-"""Views of a run in the document."""
 
 
 def _plain(x: Any) -> Any:

@@ -1,6 +1,6 @@
 """Figures of how a run was driven: clock, speed, rolling before the brake, the ramp, ABS.
 
-Each public function is the figure of that name in `rules.csv`.
+The column `figure` of `rules.csv` names the public function here that measures a rule.
 """
 
 import math
@@ -52,9 +52,10 @@ def maneuver(evidence: Evidence) -> Iterator[Measured]:
     if not (run.slipping and run.slipping.locked):  # locked wheels do not show the speed
         yield Measured("braking_time", sum(event.braking_time for event in run.events))
     yield from _ramp(run)
-    if run.axles and (largest := run.axles.eta_most):  # a table is a curve over eta
-        is_alike = max(abs(largest.value), largest.half) < LIMITS.eta_alike
-        precision = abs(largest.value) / max(largest.half, 1e-12)
+    change = run.axles.eta_most if run.axles else None  # a table is a curve over eta
+    if change is not None:
+        is_alike = max(abs(change.value), change.half) < LIMITS.eta_alike
+        precision = abs(change.value) / max(change.half, 1e-12)
         yield Measured("eta_alike" if is_alike else "eta_unknown", precision)
 
 

@@ -1,6 +1,7 @@
 """Figures of the forces of a run with its vehicle: accelerometer, brakes, a bend.
 
-Each public function is the figure of that name in `rules.csv`. Nothing here changes an estimate.
+The column `figure` of `rules.csv` names the public function here that measures a rule. Nothing
+here changes an estimate.
 """
 
 import math
@@ -23,7 +24,7 @@ _SLOPE_CHANGES = 0.5  # probability of a changing slope from which a_x is compar
 _MOTOR, LEAST_ODDS = 0.67, 0.01
 """Posterior odds from which a motor is reported [1], low because an unreported motor moves the
 pads; least prior odds, also where the vehicle file excludes a motor."""
-_FORCE = 0.1  # prior sigma of a motor's force over the usual brake force [1]: 0.01 to 0.1 of 0.3 g
+_FORCE = 0.1  # prior sigma of a motor's force over the usual brake force [1]: 0.1 g in a 0.3 g stop
 _USUAL, _FADING = 0.015, 0.02
 """Sigma, without a motor, of a force without pressure, by bite of the pads and zero of p_mc (0.5 of
 30 bar), and of one that fades with the speed, by slow noise in the half second below 3 m/s [1]."""
@@ -75,7 +76,7 @@ def brakes(evidence: Evidence) -> Iterator[Measured]:
 
     A motor that brakes from the first pressure on is a force without pressure. One that hands over
     to the brakes before the car stands is a force that fades with the speed, which only a run
-    braked to below 3 m/s shows. Each sign of a motor alone and both have the same prior odds.
+    braked to below 3 m/s shows. Either force alone and both together have the same prior odds.
     """
     response, vehicle = evidence.response, evidence.run.vehicle
     if response is None or vehicle is None:

@@ -61,8 +61,9 @@ def unusable(
     """Reasons for which a run is refused, or its result void, before any estimate."""
     evidence, (log_figures, signal_figures) = Evidence(run), _figures(run)
     reasons = _broken(evidence, log_figures, purpose, consequences)
-    # the signals of a log that is refused are not computed
-    return reasons or _broken(evidence, signal_figures, purpose, consequences)
+    if reasons:  # the signals of a log that is refused are not computed
+        return reasons
+    return _broken(evidence, signal_figures, purpose, consequences)
 
 
 def require(run: Run, purpose: str) -> None:

@@ -35,8 +35,8 @@ SLIP = ((0.04, 0.02), (0.01, 0.02), (0.0, 0.02), (0.0, 0.002), (0.0, 0.003))
 """Mean and sigma of the coefficients of slip: of z, its square, cube and steep term; and of the
 growth of a tyre by the square of the wheel speed over 100 rad/s [1]."""
 _SLIP_WET = ((0.12, 0.03), (0.1, 0.1), (0.4, 0.3), (0.03, 0.03), SLIP[-1])
-"""The same on a wet road: a brush of stiffness K and peak m has (1 + z/(3 m) + 5 z^2/(27 m^2) ...)
-z/K, over the load that it bears. K is 8 to 18, m 0.35 to 0.6. No sigma is above its mean, since
+"""The same on a wet road: a brush of stiffness K and peak m that brakes its own load at z slips by
+(1 + z/(3 m) + 5 z^2/(27 m^2) ...) z/K. K is 8 to 18, m 0.35 to 0.6. No sigma is above its mean:
 negative slip is that of a v that runs fast."""
 _UNBRAKED_SLIP = 0.2  # sigma of the slip of an unbraked axle over that of a braked one [1]
 _IN_TIME, _DELAYS = 0.05, (0.1, 0.2, 0.3, 0.4)  # sigma of a usual delay, delays of a late v [s]
@@ -50,7 +50,7 @@ _WRONG_RATES = tuple(x / 100.0 for x in range(-10, 11, 2) if x)  # rate errors o
 _LOG_RARE, _LOG_MISTAKE = math.log(0.05), math.log(0.01)  # ln of prior odds: rare cause, mistake
 _EXPLAINED = 1.4
 """Largest squared residual with a mistake over that of free coefficients [1]: true mistakes leave
-0.4 to 1.0, and 1.6 the best of those that stood for a peak which no hypothesis has."""
+0.4 to 1.0. Where a peak that no hypothesis has looks like a mistake, the best one left 1.6."""
 
 
 class SpeedMistake(NamedTuple):
@@ -80,7 +80,8 @@ def speed_mistakes(run: Run) -> dict[str, tuple[SpeedMistake, ...]]:
 
 def _likely(mistakes: list[SpeedMistake]) -> tuple[SpeedMistake, ...]:
     """The likely mistakes, most probable first, without those that are much less probable."""
-    least = max([LIKELY_LOG_ODDS, *(m.log_odds - LIKELY_LOG_ODDS for m in mistakes)])
+    largest = max((m.log_odds for m in mistakes), default=0.0)
+    least = max(LIKELY_LOG_ODDS, largest - LIKELY_LOG_ODDS)
     likely = (m for m in mistakes if m.log_odds > least)
     return tuple(sorted(likely, key=lambda m: m.log_odds, reverse=True))
 
@@ -130,11 +131,10 @@ def _hypotheses(radius: float) -> Iterator[_Hypothesis]:
     for delay in _DELAYS:
         yield _Hypothesis("", _LOG_RARE - math.log(len(_DELAYS)), radius, delay=delay)
     for offset in _WRONG_OFFSETS:
-        odds = _LOG_MISTAKE - math.log(len(_WRONG_OFFSETS))
-        yield _Hypothesis(OFFSET, odds, radius, offset)
+        yield _Hypothesis(OFFSET, _LOG_MISTAKE - math.log(len(_WRONG_OFFSETS)), radius, offset)
     for rate in _WRONG_RATES:
-        odds = _LOG_MISTAKE - math.log(len(_WRONG_RATES))
-        yield _Hypothesis(CLOCK, odds, radius, rate=rate, rate_sigma=_WRONG_RATE)
+        log_odds = _LOG_MISTAKE - math.log(len(_WRONG_RATES))
+        yield _Hypothesis(CLOCK, log_odds, radius, rate=rate, rate_sigma=_WRONG_RATE)
 
 
 class _Fit(NamedTuple):
@@ -165,10 +165,10 @@ class _Means(NamedTuple):
         inside = d.moving & (d.z > -DRIVEN_Z) & (d.z < GREATEST_Z) & (d.time < run.first_slip)
         use = block_mean(np.where(inside, 1.0, 0.0), size) == 1.0
         time, lost = d.time - d.time[0], G * integral(d.time, d.z)
-        pairs = [(delay, 0.0) for delay in (0.0, *_DELAYS)] + [(0.0, c) for c in _WRONG_RATES]
-        late = [lost - np.interp((time - delay) / (1.0 + c), time, lost) for delay, c in pairs]
+        cases = [(delay, 0.0) for delay in (0.0, *_DELAYS)] + [(0.0, c) for c in _WRONG_RATES]
+        late = [lost - np.interp((time - delay) / (1.0 + c), time, lost) for delay, c in cases]
         signals = np.array([run.log["v"], d.z, time, lost, *late])
-        v, z, time, lost, *late = block_mean(signals, size)[:, use]
+        v, z, time, lost, *late = block_mean(signals, size)[:, use]  # means (n,) from here on
         braked = [z]
         if d.pressure is not None:
             p = block_mean(d.pressure, size)[use]
@@ -176,7 +176,7 @@ class _Means(NamedTuple):
         by_late = np.stack([G * z, G * z * time], axis=1)
         a_x = np.stack([np.ones_like(v), time, 0.5 * time**2, -z * v, -lost], axis=1)
         noise = _noise(np.hstack([a_x, by_late]), v, late)
-        return cls(use, size, v, braked, dict(zip(pairs, late, strict=True)), by_late, a_x, noise)
+        return cls(use, size, v, braked, dict(zip(cases, late, strict=True)), by_late, a_x, noise)
 
 
 class _AxleModel(NamedTuple):
@@ -222,7 +222,7 @@ class _AxleModel(NamedTuple):
         return [_Fit(*result) for result in results]
 
     def _prior(self, x: _Hypothesis) -> Array:
-        """Mean and sigma of the unknowns (2, 14); the rate is that beyond the hypothesis."""
+        """Mean and sigma of the unknowns (2, 14); the last is the rate error less that of ``x``."""
         slip = self.slip_factors * np.array(x.slip)  # (5, 2)
         slip_of_v = np.array((0.0, 1e-3))  # practically none
         if x.slips:  # v and the wheels slip alike

@@ -1,6 +1,6 @@
 """Figures of the wheels: against a_x, v and each other, without a vehicle and with one.
 
-Each public function is the figure of that name in `rules.csv`; `eta_rise` serves `slip`.
+The column `figure` of `rules.csv` names the public function here that measures a rule.
 """
 
 import math
@@ -33,7 +33,7 @@ _STIFFEST = 60.0  # slip stiffness K above that of any tyre [1]
 _ROLLED = 0.5  # shortest rolling that gives zero and slope of a_x [s]
 _OTHER_SLOPE, _RADIUS = 0.003, 0.01  # sigma of a later change of slope, and of a file's radii [1]
 _SLOWED = 0.25  # a_x is compared where the wheels' deceleration varies by more than this [1]
-_CONFIRMED = 0.4  # scale of a_x over the difference of the radii: from 0.4 to 1/0.4 they agree
+_CONFIRMED = 0.4  # least ratio of two errors of the scale of v, by a_x and by the radii, that agree
 _BRAKED, _BRAKED_TIME = 0.05, 1.0  # least deceleration that shows slip [1], and its time [s]
 _SOURCES = {"front": (1.0, 0.0), "rear": (0.0, 1.0), "four": (0.5, 0.5)}
 """Weights of the front and rear wheels from which v may be computed."""
@@ -184,10 +184,11 @@ def car_wheels(evidence: Evidence) -> Iterator[Measured]:
     difference = min((radius.value for radius in radii), key=abs)
     likely = "a log of another vehicle"
     if abs(difference) > bounds_of("a_x_scale")[1]:
-        sensor = run.accelerometer(identify(run.car, ()))
+        sensor = run.accelerometer(identify(run.car, ()))  # resistance by priors and file alone
+        scale_of_v = -sensor.scale  # by a_x: a v that reads too high makes a_x look too small
         if math.sqrt(sensor.variance_scale) > 0.5 * abs(difference):  # too little braking
             likely = "the scale of v, or a log of another vehicle"
-        elif _CONFIRMED < -sensor.scale / difference < 1.0 / _CONFIRMED:
+        elif _CONFIRMED < scale_of_v / difference < 1.0 / _CONFIRMED:
             likely = "the scale of v, by which a_x and v differ as much"
     yield from (replace(radius, words={"likely": likely}) for radius in radii)
 
@@ -209,7 +210,8 @@ def a_x_by_wheels(evidence: Evidence) -> Iterator[Measured]:
     rim = b.rim_speed(run.car)
     time = b.end - b.end[rolled[-1]]
     rolling_rate, rim_at_start = np.polyfit(time[rolled], rim[rolled], 1)
-    z = np.where(time > 0.0, b.z - np.mean(b.z[rolled]) - rolling_rate / G, 0.0)
+    rolling_z = -rolling_rate / G  # true deceleration on the lead-in
+    z = np.where(time > 0.0, b.z - np.mean(b.z[rolled]) + rolling_z, 0.0)
     lost_by_a_x = b.speed_lost(z)
     lost = rim_at_start - rim / (1.0 - slip * np.clip(z, 0.0, 1.0))
     use = np.flatnonzero((time > 0.0) & (b.end < run.first_slip) & (rim > MOVING) & (lost > MOVING))
@@ -247,5 +249,5 @@ def slip_of_v(evidence: Evidence) -> Iterator[Measured]:
 
 def v_scale(evidence: Evidence) -> Iterator[Measured]:
     """Scale of a_x against v by a wrong unit, clock or filter; 0 if a sensor errs more likely."""
-    other = evidence.run.other_scale
-    yield Measured("v_scale", other / (1.0 - other))
+    c = evidence.run.other_scale
+    yield Measured("v_scale", c / (1.0 - c))  # a_x as read is the true one over 1 - c

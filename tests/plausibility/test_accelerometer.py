@@ -29,7 +29,7 @@ def warned(sensor, other_scale=0.0, noise=0.002):
 
 
 def codes(sensor):
-    return [one.code for one in warned(sensor)]
+    return [warning.code for warning in warned(sensor)]
 
 
 def test_a_sensor_that_is_right_is_not_warned_about():
@@ -65,9 +65,11 @@ def test_a_scale_that_no_sensor_has_is_told_alone():
 @pytest.mark.parametrize("gain", [0.85, 1.0, 1.15])
 def test_a_gain_of_a_x_is_told_by_the_wheels_where_no_v_is(gain):
     log = misread(noisy(without(stop(REAL), "v"), 3), gain)
-    (told,) = a_x_by_wheels(Evidence(Run(log, CAR)))
-    assert told.value + LOG.a_x_scale.mean == pytest.approx(gain - 1.0, abs=2.0 * told.sigma)
-    assert told.sigma < 0.03
+    (measured,) = a_x_by_wheels(Evidence(Run(log, CAR)))
+    assert measured.value + LOG.a_x_scale.mean == pytest.approx(
+        gain - 1.0, abs=2.0 * measured.sigma
+    )
+    assert measured.sigma < 0.03
     assert not [*a_x_by_wheels(Evidence(Run(stop(REAL), CAR)))]
 
 

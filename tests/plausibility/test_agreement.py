@@ -3,14 +3,13 @@
 More logs: `python -m tests.support.spoiled 300`.
 """
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from calib.base.warning import REFUSE, RULES, UNITS, VOID
 from calib.plausibility import rules
 from calib.plausibility.check import check
+from tests.support.made_runs import changed
 from tests.support.plant import as_log, drive
 from tests.support.reference_car import REAL, misread, noisy, ramp, stop, swapped
 from tests.support.refusals import why_not
@@ -22,10 +21,6 @@ LOGS = {"ramp": noisy(ramp(REAL), 1), "stop": noisy(stop(REAL), 2), "coast": noi
 
 def scaled(log, factor, *wheels):
     return changed(log, **{f"omega_{w}": factor * log[f"omega_{w}"] for w in wheels})
-
-
-def changed(log, **channels):
-    return replace(log, channels={**log.channels, **channels})
 
 
 NAMED = {
@@ -58,17 +53,17 @@ def test_a_mistake_is_told_by_check_as_by_the_uses(mistake, fitted):
 def test_spoiled_logs(seed, fitted):
     """No traceback either, and no number that is not finite."""
     for number, kind in enumerate(LOGS):
-        done, text = spoiled(LOGS[kind], np.random.default_rng([20 + seed, number]))
-        assert findings(text, fitted, kind == "ramp") == [], done
+        mistakes, text = spoiled(LOGS[kind], np.random.default_rng([20 + seed, number]))
+        assert findings(text, fitted, kind == "ramp") == [], mistakes
 
 
 def test_a_fit_warns_of_what_check_warns_of(fitted):
     """A wheel that is 3 % off moves the radius of its axle by half of that."""
     log = scaled(LOGS["ramp"], 1.03, "fl")
     assert why_not(log, "fit") == []
-    assert "sides_f" in {one.code for one in check(log).warnings}
+    assert "sides_f" in {warning.code for warning in check(log).warnings}
     evidence = rules.Evidence(rules.Run(log))
-    assert "sides_f" in {one.code for one in rules.warnings_on(evidence, "fit")}
+    assert "sides_f" in {warning.code for warning in rules.warnings_on(evidence, "fit")}
 
 
 def test_every_rule_has_a_figure_and_every_refusal_says_what_to_do():

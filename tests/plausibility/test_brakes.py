@@ -17,7 +17,7 @@ from tests.support.refusals import broken
 
 
 def evidence(response, odds=0.1):
-    """Of a car whose pedal commands a motor with these prior odds."""
+    """Return evidence on a car whose pedal commands a motor with these prior odds."""
     return Evidence(SimpleNamespace(vehicle=SimpleNamespace(motor_odds=odds)), response=response)
 
 
@@ -26,7 +26,7 @@ def response(delay=0.0, share=0.0, sigma=0.01, **others):
 
 
 @pytest.mark.parametrize(
-    ("seen", "codes"),
+    ("measured", "codes"),
     [
         (response(), []),
         (response(share=0.06), ["unexplained_braking_force"]),
@@ -41,29 +41,29 @@ def response(delay=0.0, share=0.0, sigma=0.01, **others):
         (response(delay=0.25, sigma=0.1), []),
     ],
 )
-def test_only_what_is_large_and_sure_is_named(seen, codes):
-    assert [warning.code for warning in broken([brakes], evidence(seen))] == codes
+def test_only_what_is_large_and_sure_is_named(measured, codes):
+    assert [warning.code for warning in broken([brakes], evidence(measured))] == codes
 
 
-def named_at_all(seen, odds):
+def is_named(measured, odds):
     """Whether a motor is likely, however small its force."""
-    return "unexplained_braking_force" in [x.code for x in brakes(evidence(seen, odds))]
+    return "unexplained_braking_force" in [x.code for x in brakes(evidence(measured, odds))]
 
 
 def chance_by_counting(share, sigma, fading, fading_sigma, odds):
-    """Chance of a motor, by weighing a fine grid of shares: at once, slow, or both."""
-    m = np.linspace(0.0, 0.8, 8001)
-    half = 2.0 * NormalDist(0.0, 0.1).pdf(0.0) * np.exp(-0.5 * (m / 0.1) ** 2) * (m[1] - m[0])
-    half[0] *= 0.5
+    """Chance of a motor, by weighing a fine grid of shares: early, fading, or both."""
+    grid = np.linspace(0.0, 0.8, 8001)
+    prior = 2.0 * NormalDist(0.0, 0.1).pdf(0.0) * np.exp(-0.5 * (grid / 0.1) ** 2) * grid[1]
+    prior[0] *= 0.5
 
-    def seen(true, measured, sigma):
+    def likelihood(true, measured, sigma):
         return np.exp(-0.5 * ((measured - true) / sigma) ** 2)
 
-    at_once = [seen(x, share, np.hypot(sigma, 0.015)) for x in (m, 0.0)]
-    slow = [seen(x, fading, np.hypot(fading_sigma, 0.02)) for x in (m, 0.0)]
-    one, other = (half @ of[0] for of in (at_once, slow))
-    motor = odds * (one * slow[1] + at_once[1] * other + one * other) / 3.0
-    return motor / (motor + at_once[1] * slow[1])
+    by_share, no_share = (likelihood(x, share, np.hypot(sigma, 0.015)) for x in (grid, 0.0))
+    by_fade, no_fade = (likelihood(x, fading, np.hypot(fading_sigma, 0.02)) for x in (grid, 0.0))
+    early, late = prior @ by_share, prior @ by_fade
+    motor = odds * (early * no_fade + no_share * late + early * late) / 3.0
+    return motor / (motor + no_share * no_fade)
 
 
 @pytest.mark.parametrize("odds", [1.0, 0.1, 0.01])
@@ -74,7 +74,7 @@ def test_a_motor_is_named_by_its_chance_as_by_counting_all_shares(odds, sigma, f
     tried = np.linspace(-0.02, 0.15, 18)
     chance = [chance_by_counting(share, sigma[0], fading, sigma[1], odds) for share in tried]
     named = [
-        named_at_all(response(share=x, sigma=sigma[0], fading=fading, fading_sigma=sigma[1]), odds)
+        is_named(response(share=x, sigma=sigma[0], fading=fading, fading_sigma=sigma[1]), odds)
         for x in tried
     ]
     clear = [abs(x - 0.4) > 0.01 for x in chance]
@@ -95,11 +95,12 @@ def test_the_zero_of_the_pressure_is_measured(zero):
 ])  # fmt: skip
 def test_wheel_pressures_of_an_axle_are_alike(scale, zero, codes):
     log = noisy(stop(REAL), 1)
-    own = {"rl": scale * log["p_mc"] + zero, "rr": log["p_mc"]}
-    log.channels.update({f"p_{wheel}": own.get(wheel, 0.7 * log["p_mc"]) for wheel in WHEELS})
-    found = broken([pressure_sides], Evidence(Run(log)))
-    assert [one.code for one in found] == codes
-    assert all(one.measured == pytest.approx(scale - 1.0, abs=0.02) for one in found if codes)
+    rear = {"rl": scale * log["p_mc"] + zero, "rr": log["p_mc"]}
+    log.channels.update({f"p_{wheel}": rear.get(wheel, 0.7 * log["p_mc"]) for wheel in WHEELS})
+    warnings = broken([pressure_sides], Evidence(Run(log)))
+    assert [warning.code for warning in warnings] == codes
+    for warning in warnings:
+        assert warning.measured == pytest.approx(scale - 1.0, abs=0.02)
 
 
 @pytest.mark.parametrize(
@@ -116,4 +117,6 @@ def test_a_step_of_the_force_stands_out_of_its_scatter_and_the_noise(step, scatt
     blocks.z = np.full(9, 0.3)
     run = SimpleNamespace(vehicle=True, blocks=blocks, lead_in_noise=SimpleNamespace(z=noise))
     stepped = response(force_step=_ForceStep(4.0, step, scatter))
-    assert [one.code for one in broken([force_step], Evidence(run, response=stepped))] == codes
+    assert [
+        warning.code for warning in broken([force_step], Evidence(run, response=stepped))
+    ] == codes

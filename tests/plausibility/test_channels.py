@@ -19,6 +19,7 @@ from calib.plausibility.evidence import Evidence
 from calib.plausibility.rules import FIT, unusable
 from calib.plausibility.wheels import car_wheels, slip_of_v
 from calib.run.run import Run
+from tests.support.made_runs import changed
 from tests.support.plant import WHEELS, brush, dugoff
 from tests.support.reference_car import CAR, REAL, WET, noisy, ramp, stop
 from tests.support.refusals import broken, why_not
@@ -29,31 +30,28 @@ def clean():
     return stop(REAL)
 
 
-def found(log):
-    return [(one.code, one.causes[0]) for one in of(log, car_wheels, slip_of_v)]
+def codes_and_causes(log):
+    warnings = warnings_on(log, car_wheels, slip_of_v)
+    return [(warning.code, warning.causes[0]) for warning in warnings]
 
 
-def of(log, *more):
+def warnings_on(log, *further):
     figures = copied, held_values, delay_of_v, zero_of_pressure, pressure_sides
-    return broken((*figures, *more), Evidence(Run(log, CAR)))
-
-
-def changed(log, **channels):
-    return replace(log, channels={**log.channels, **channels})
+    return broken((*figures, *further), Evidence(Run(log, CAR)))
 
 
 def test_wheels_with_noise_of_their_own_are_right(clean):
-    assert found(noisy(clean, 0)) == []
+    assert codes_and_causes(noisy(clean, 0)) == []
 
 
 @pytest.mark.parametrize(
-    ("to", "source", "gain"),
+    ("copy", "source", "gain"),
     [("omega_rr", "omega_rl", 1.0), ("omega_fr", "omega_fl", 1.0), ("v", "omega_rl", 0.3)],
 )
-def test_a_copy_is_named(clean, to, source, gain):
+def test_a_copy_is_named(clean, copy, source, gain):
     log = noisy(clean, 0)
-    causes = dict(found(changed(log, **{to: gain * log[source]})))
-    assert set(causes["same_signal"].split(" is a copy of ")) == {to, source}
+    causes = dict(codes_and_causes(changed(log, **{copy: gain * log[source]})))
+    assert set(causes["same_signal"].split(" is a copy of ")) == {copy, source}
 
 
 def test_a_bump_that_shakes_both_wheels_of_an_axle_alike_is_no_copy(clean):
@@ -62,7 +60,7 @@ def test_a_bump_that_shakes_both_wheels_of_an_axle_alike_is_no_copy(clean):
     inside = (log.time > 2.0) & (log.time < 2.06)
     jerk = 9.0 * np.where(inside, np.cos(2.0 * np.pi * 40.0 * log.time), 0.0)
     run = changed(log, omega_fl=log["omega_fl"] + jerk, omega_fr=log["omega_fr"] + jerk)
-    assert found(run) == []
+    assert codes_and_causes(run) == []
     raw = [np.diff(run[f"omega_{wheel}"], 2) for wheel in ("fl", "fr")]
     assert np.corrcoef(*raw)[0, 1] > 0.99
 
@@ -70,18 +68,18 @@ def test_a_bump_that_shakes_both_wheels_of_an_axle_alike_is_no_copy(clean):
 @pytest.mark.parametrize("factor", [0.975, 1.025])
 def test_a_wrong_speed_shows_as_another_radius(clean, factor):
     log = noisy(clean, 0)
-    codes = [code for code, _ in found(changed(log, v=factor * log["v"]))]
+    codes = [code for code, _ in codes_and_causes(changed(log, v=factor * log["v"]))]
     assert codes == ["rolling_radius_f", "rolling_radius_r"]
 
 
-@pytest.mark.parametrize(("every", "kept"), [(1, False), (8, False), (20, True), (40, True)])
-def test_a_speed_that_is_held_is_named_and_not_used(clean, every, kept):
+@pytest.mark.parametrize(("every", "is_held"), [(1, False), (8, False), (20, True), (40, True)])
+def test_a_speed_that_is_held_is_named_and_not_used(clean, every, is_held):
     """At 200 Hz: a new value every 5, 40, 100, 200 ms."""
     log = noisy(clean, 0)
     stale = log["v"][np.arange(log.time.size) // every * every]
     run = changed(log, v=stale)
-    assert ("v_held" in [code for code, _ in found(run)]) == kept
-    assert (Run(run, CAR).signals.v is None) == kept
+    assert ("v_held" in [code for code, _ in codes_and_causes(run)]) == is_held
+    assert (Run(run, CAR).signals.v is None) == is_held
 
 
 def sent_at(log, hertz, *channels):
@@ -89,29 +87,31 @@ def sent_at(log, hertz, *channels):
     sent = {}
     for shift, name in enumerate(channels):
         ticks = np.arange(log.time[0] - 0.003 * shift, log.time[-1], 1.0 / hertz)
-        at = np.searchsorted(ticks, log.time, side="right") - 1
+        last_tick = np.searchsorted(ticks, log.time, side="right") - 1
         first = np.clip(np.searchsorted(log.time, ticks), 0, log.time.size - 1)
-        sent[name] = log[name][first[np.clip(at, 0, None)]]
+        sent[name] = log[name][first[np.clip(last_tick, 0, None)]]
     return changed(log, **sent)
 
 
-@pytest.mark.parametrize(("hertz", "held"), [(20.0, [0.05]), (50.0, [])])
-def test_wheel_speeds_that_are_held_are_no_copies(clean, hertz, held):
-    warnings = of(sent_at(noisy(clean, 3), hertz, *WHEEL_SPEEDS))
-    assert [warning.code for warning in warnings] == ["wheels_held"] * len(held)
-    assert [warning.measured for warning in warnings] == pytest.approx(held, rel=0.1)
+@pytest.mark.parametrize(("hertz", "times"), [(20.0, [0.05]), (50.0, [])])
+def test_wheel_speeds_that_are_held_are_no_copies(clean, hertz, times):
+    warnings = warnings_on(sent_at(noisy(clean, 3), hertz, *WHEEL_SPEEDS))
+    assert [warning.code for warning in warnings] == ["wheels_held"] * len(times)
+    assert [warning.measured for warning in warnings] == pytest.approx(times, rel=0.1)
 
 
 def test_missing_samples_are_no_copies(clean):
     """Over a gap every wheel makes the same step."""
     log = noisy(clean, 0)
     part = np.r_[0:500, 800 : log.time.size]
-    assert found(changed(log, **{name: x[part] for name, x in log.channels.items()})) == []
+    assert (
+        codes_and_causes(changed(log, **{name: x[part] for name, x in log.channels.items()})) == []
+    )
 
 
 def test_rounding_is_no_noise(clean):
     rounded = {name: np.round(x, 4) for name, x in clean.channels.items() if name != "time"}
-    assert found(changed(clean, **rounded)) == []
+    assert codes_and_causes(changed(clean, **rounded)) == []
 
 
 @pytest.mark.parametrize(("wheels", "filtered"), [("fl fr", True), ("fl fr rl rr", False)])
@@ -174,7 +174,7 @@ def test_an_offset_of_v_is_one_of_all_wheels():
     ],
 )
 def test_neither_another_radius_nor_deep_slip_is_an_offset_or_a_clock(log):
-    codes = {one.code for car in (None, CAR) for one in refused(log, car)}
+    codes = {warning.code for car in (None, CAR) for warning in refused(log, car)}
     assert not {"wheel_offset", "v_clock"} & codes
 
 
@@ -188,14 +188,14 @@ def test_a_clock_of_v_is_none_of_the_wheels(log, factor):
 
 def test_wheels_that_count_backwards_are_the_only_reason():
     log = changed(RAMP, **{f"omega_{w}": -RAMP[f"omega_{w}"] for w in ("fr", "rr")})
-    assert [one.code for one in refused(log)] == ["wheel_sign"]
-    warned = {one.code for one in check(log).warnings}
+    assert [warning.code for warning in refused(log)] == ["wheel_sign"]
+    warned = {warning.code for warning in check(log).warnings}
     assert not {"abs", "locked_wheels", "sides_f", "sides_r"} & warned
 
 
 @pytest.mark.parametrize("zero", [1.7e5, 2.5e5, 5e5])
 def test_the_zero_of_the_pressure_comes_before_what_it_hides(zero):
-    codes = [one.code for one in refused(changed(RAMP, p_mc=RAMP["p_mc"] + zero), CAR)]
+    codes = [warning.code for warning in refused(changed(RAMP, p_mc=RAMP["p_mc"] + zero), CAR)]
     assert codes[0] in ("pressure_low", "pressure_zero")
     assert "lead_in" not in codes
 
@@ -208,10 +208,12 @@ def test_a_zero_that_is_cut_is_told_from_a_clock(shift, zero, first):
 
 
 def test_a_bend_hides_no_abs():
-    bent = {"omega_fr": 1.02 * RAMP["omega_fr"], "omega_fl": RAMP["omega_fl"].copy()}
+    wheels = {"omega_fr": 1.02 * RAMP["omega_fr"], "omega_fl": RAMP["omega_fl"].copy()}
     dips = (RAMP["p_mc"] > 0.7 * RAMP["p_mc"].max()) * np.maximum(np.sin(31.0 * RAMP.time), 0.0)
-    bent["omega_fl"] *= 1.0 - 0.2 * dips
-    assert {"sides_f", "abs"} <= {one.code for one in check(changed(RAMP, **bent)).warnings}
+    wheels["omega_fl"] *= 1.0 - 0.2 * dips
+    assert {"sides_f", "abs"} <= {
+        warning.code for warning in check(changed(RAMP, **wheels)).warnings
+    }
 
 
 def test_a_rule_makes_only_what_stands_behind_it():
@@ -228,4 +230,6 @@ def test_another_unit_of_v_is_one(factor):
 
 @pytest.mark.parametrize("log", [RAMP, replace(stop(REAL), truth={})])
 def test_a_log_with_its_own_v_has_neither(log):
-    assert not {"wheel_offset", "v_unit", "v_unit_by_a_x"} & {one.code for one in refused(log)}
+    assert not {"wheel_offset", "v_unit", "v_unit_by_a_x"} & {
+        warning.code for warning in refused(log)
+    }

@@ -34,11 +34,11 @@ def reasons(log, purpose="fit"):
 
 
 def codes(log):
-    return {one.code: one.measured for one in check(log).warnings}
+    return {warning.code: warning.measured for warning in check(log).warnings}
 
 
-def wheels(log, of):
-    return changed(log, **{f"omega_{w}": of(w) for w in WHEELS})
+def with_wheels(log, speed_of):
+    return changed(log, **{f"omega_{w}": speed_of(w) for w in WHEELS})
 
 
 @pytest.mark.parametrize("rate", [40.0, 200.0, 1000.0])
@@ -85,9 +85,9 @@ def rough():
     return changed(log, **noisy_ones)
 
 
-def held():
+def held_wheels():
     log = made_run(rate=100.0)
-    return wheels(log, lambda w: np.repeat(log[f"omega_{w}"][::10], 10)[: log.time.size])
+    return with_wheels(log, lambda w: np.repeat(log[f"omega_{w}"][::10], 10)[: log.time.size])
 
 
 # Up to 0.22 g, back to 0.14 g and on to 0.37 g: no rise spans the 0.25 g of a ramp.
@@ -129,20 +129,20 @@ SPOILED = {
     "p in MPa": (changed(RAMP, p_mc=0.01 * RAMP["p_mc"]), "validate", "pressure_per_g"),
     "p negative": (changed(RAMP, p_mc=-RAMP["p_mc"]), "validate", "pressure_low"),
     "noise": (rough(), "fit", "eta_unknown"),
-    "held": (held(), "fit", "wheels_held"),
+    "held": (held_wheels(), "fit", "wheels_held"),
     "alike": (changed(RAMP, **{f"omega_r{s}": RAMP[f"omega_f{s}"] for s in "lr"}), "fit",
               "eta_alike"),
-    "rotated": (wheels(RAMP, lambda w: RAMP[f"omega_{ROTATED[w]}"]), "fit", "eta_alike"),
+    "rotated": (with_wheels(RAMP, lambda w: RAMP[f"omega_{ROTATED[w]}"]), "fit", "eta_alike"),
     "no v": (changed(RAMP, v=None), "diagnose", "no_reference_speed"),
 }  # fmt: skip
 
 
 @pytest.mark.parametrize("way", SPOILED)
 def test_each_way_to_spoil_a_run_is_named(way):
-    log, purpose, says = SPOILED[way]
-    assert says in why_not(log, purpose)
+    log, purpose, code = SPOILED[way]
+    assert code in why_not(log, purpose)
     assert purpose not in usable(log)
-    assert f"({says})" in reasons(log, purpose)
+    assert f"({code})" in reasons(log, purpose)
 
 
 WARNED = {
@@ -185,7 +185,7 @@ READ_AS = {"km/h as m/s": 3.6, "mph as m/s": 2.237, "km/h as mph": 1.609, "mph a
 @pytest.mark.parametrize("mistake", READ_AS)
 def test_a_speed_in_another_unit_is_named(mistake):
     """A wheel of 0.27 m, with which km/h read as mph makes a radius that other tyres have."""
-    log = wheels(RAMP, lambda w: RAMP[f"omega_{w}"] * 0.32 / 0.27)
+    log = with_wheels(RAMP, lambda w: RAMP[f"omega_{w}"] * 0.32 / 0.27)
     assert usable(log) == FIT
     log = changed(log, v=READ_AS[mistake] * log["v"])
     assert usable(log) == []

@@ -32,7 +32,7 @@ def calibration(front=1.0, rear=1.0, sigma=0.02, stiffness=25.0):
 
 
 def codes(pads):
-    return [one.code for one in rule_warnings("car", calibration_figures(CAR, pads))]
+    return [warning.code for warning in rule_warnings("car", calibration_figures(CAR, pads))]
 
 
 @pytest.mark.parametrize(
@@ -70,7 +70,7 @@ def test_a_friction_that_no_pad_has_is_refused(factor):
 def test_pads_that_changed_apart(apart, sigma, named):
     warnings = rule_warnings("log", change_figures((0.0, 0.02), (apart, sigma)))
     assert len(warnings) == named
-    assert all(one.measured == pytest.approx(math.expm1(apart)) for one in warnings)
+    assert all(warning.measured == pytest.approx(math.expm1(apart)) for warning in warnings)
 
 
 @pytest.mark.parametrize(
@@ -81,10 +81,10 @@ def test_pads_that_changed_apart(apart, sigma, named):
 def test_brakes_that_another_load_or_sensor_makes_seem_changed(level, sigma, named):
     warnings = rule_warnings("log", change_figures((level, sigma), (0.0, 0.02)), VALIDATE)
     assert len(warnings) == named
-    for one in warnings:
-        assert one.measured == pytest.approx(math.expm1(level))
-        assert one.causes[0].startswith("more load" if level < 0.0 else "less load")
-        assert "--mass" in one.do
+    for warning in warnings:
+        assert warning.measured == pytest.approx(math.expm1(level))
+        assert warning.causes[0].startswith("more load" if level < 0.0 else "less load")
+        assert "--mass" in warning.do
 
 
 EXCHANGED = replace(CAR, front=CAR.rear, rear=CAR.front)

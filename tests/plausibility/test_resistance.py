@@ -32,5 +32,5 @@ def test_an_engine_that_brakes_in_all_runs_is_named():
 
 
 def test_a_resistance_that_the_vehicle_file_gives_is_not_doubted():
-    own = Effects({"rolling_resistance": {"coefficient": 0.045}})
-    assert "rolling_resistance" not in codes(replace(CAR, effects=own), DRAGS)
+    effects = Effects({"rolling_resistance": {"coefficient": 0.045}})
+    assert "rolling_resistance" not in codes(replace(CAR, effects=effects), DRAGS)
