@@ -18,7 +18,7 @@ from calib.base.plain import finite_or_none, limit_of
 from calib.estimation.estimator import Estimate
 from calib.estimation.validate import Validation
 
-_PADS = ("pad_friction_f", "pad_friction_r", "pad_level")
+_FIGURES = ("pad_friction_f", "pad_friction_r", "pad_level")
 _OTHER_ROAD = 2.5  # difference of stiffness that means two roads [sigma]: 1 of 80 pairs of one road
 _OTHER_PADS = 0.15  # difference of ln of the level [1] that means other pads, as `level_changed`
 
@@ -55,24 +55,27 @@ class _Agreement:
 def agreement(results: Iterable[Validation]) -> _Agreement | None:
     """Return the agreement of stops, None where no two with an answer share road and pads."""
     answered = [r for r in results if r.figures["pad_level"] is not None]
-    rows = [[*(r.figures[key] for key in _PADS), *stiffness(r.estimate)] for r in answered]
-    stops = np.array(rows, dtype=float).reshape(-1, 5)  # `_PADS`, ln of stiffness, its sigma
-    ungrouped, roads = np.argsort(stops[:, 3], kind="stable"), []
-    while ungrouped.size:  # the softest stop without a road begins a road
-        _, _, level, log_stiffness, sigma = stops[ungrouped].T
-        is_like = log_stiffness - log_stiffness[0] <= _OTHER_ROAD * np.hypot(sigma, sigma[0])
-        is_like &= np.abs(np.log(level / level[0])) < _OTHER_PADS
-        group = stops[ungrouped[is_like]]
-        pads = group[:, :2].mean(axis=0)
-        spread = np.abs(group[:, :2] / pads - 1.0).max(axis=0) if len(group) > 1 else (None, None)
-        names = tuple(answered[i].log for i in ungrouped[is_like])
-        stiffness_ratio = math.exp(group[:, 3].mean())
-        roads.append(_Road(names, stiffness_ratio, *pads.tolist(), *map(finite_or_none, spread)))
+    rows = [[*(r.figures[key] for key in _FIGURES), *stiffness(r.estimate)] for r in answered]
+    stops = np.array(rows, dtype=float).reshape(-1, 5)
+    pads, (level, log_stiffness, sigma) = stops[:, :2], stops[:, 2:].T
+    roads = []
+    ungrouped = np.argsort(log_stiffness, kind="stable")
+    while ungrouped.size:
+        first = ungrouped[0]  # the softest stop without a road begins a road
+        difference = log_stiffness[ungrouped] - log_stiffness[first]
+        is_like = difference <= _OTHER_ROAD * np.hypot(sigma[ungrouped], sigma[first])
+        is_like &= np.abs(np.log(level[ungrouped] / level[first])) < _OTHER_PADS
+        group = ungrouped[is_like]
+        mean = pads[group].mean(axis=0)
+        spread = np.abs(pads[group] / mean - 1.0).max(axis=0) if len(group) > 1 else (None, None)
+        names = tuple(answered[i].log for i in group)
+        stiffness_ratio = math.exp(log_stiffness[group].mean())
+        roads.append(_Road(names, stiffness_ratio, *mean.tolist(), *map(finite_or_none, spread)))
         ungrouped = ungrouped[~is_like]
     spreads = [(road.spread_f, road.spread_r) for road in roads if road.spread_f is not None]
     if not spreads:
         return None
-    mean_f, mean_r = stops[:, :2].mean(axis=0).tolist()
+    mean_f, mean_r = pads.mean(axis=0).tolist()
     largest_f, largest_r = np.array(spreads, dtype=float).max(axis=0).tolist()
     return _Agreement(mean_f, mean_r, largest_f, largest_r, tuple(roads))
 
@@ -80,6 +83,6 @@ def agreement(results: Iterable[Validation]) -> _Agreement | None:
 def stiffness(e: Estimate) -> tuple[float, float]:
     """Return ln of tyre stiffness over the ramp's [1] at the last valid sample, and its sigma."""
     i, tyre, step = int(np.flatnonzero(e.valid)[-1]), e.table.tyre, e.best.step
-    z = float(np.clip(e.read.z[i], tyre.force[1], tyre.force[-1]))
+    z = float(np.clip(e.signals.z[i], tyre.force[1], tyre.force[-1]))
     slip_per_z_on_ramp = float(np.interp(z, tyre.force, tyre.slip)) / z
     return math.log(slip_per_z_on_ramp) - float(step.slip[i]), float(step.slip_sigma[i])

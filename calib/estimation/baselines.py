@@ -1,8 +1,9 @@
 """Other methods for the pad friction: nominal pads, a mean gain, and the law of the paper.
 
 A method that does not apply gives NaN. The law adapts the change zeta of the pad friction of each
-axle. It takes the force of the axle from the curves f1(eta), f2(eta) of the table, which
-hold on the road of the ramp:
+axle from its nominal value mu_n. It takes the force of the axle from the curves f1(eta), f2(eta) of
+the table, which hold on the road of the ramp. Of a wheel, J is the inertia, R the radius, F_z the
+load, and C the torque per pressure P and pad friction:
 
     y = J d omega/dt - (z + f1) R F_z + mu_n C P = -zeta C P     (23), front; f2 at the rear
     y = theta u,   theta = zeta,   u = -C P                      (24)
@@ -34,7 +35,7 @@ _MEMORY = 0.5  # time over which the mean gain forgets [s]: a stop is longer, ro
 
 def nominal(e: Estimate, factor: Array | float = 1.0) -> Pair:
     """Return the nominal pad friction of both axles (n,), times a factor."""
-    factor = factor * np.ones_like(e.read.time)
+    factor = factor * np.ones_like(e.signals.time)
     return e.car.front.pad_friction * factor, e.car.rear.pad_friction * factor
 
 
@@ -46,7 +47,7 @@ def mean_gain(e: Estimate) -> Pair:
     gain is recursive and rests on the deceleration; here known resistance is taken out of a_x.
     """
     u = np.where(e.forces.active, e.forces.nominal_f + e.forces.nominal_r, 0.0)
-    pole = [1.0, -float(np.exp(-e.read.sample_time / _MEMORY))]
+    pole = [1.0, -float(np.exp(-e.signals.sample_time / _MEMORY))]
     numerator, denominator = (
         recursive_filter(x, pole) for x in (u * e.forces.balance.demanded, u * u)
     )
@@ -60,12 +61,13 @@ def _adapted(e: Estimate) -> Pair:
 
     def adapt(axle: Axle, p: Array, brake: Array) -> Array:
         """Return the pad friction (n,) of an axle with pressure ``p`` [Pa], ``brake`` force [N]."""
-        torque = axle.torque_gain * p
-        y = axle.pad_friction * torque - 0.5 * axle.rolling_radius * brake  # (23)
-        u = np.where(e.forces.active, -torque, 0.0)  # (24)
-        return axle.pad_friction + gradient(y, u, gain(axle), e.read.sample_time)
+        CP = axle.torque_gain * p
+        # (23): the brake force has (z + f1) F_z - (J d omega/dt)/R of both wheels
+        y = axle.pad_friction * CP - 0.5 * axle.rolling_radius * brake
+        u = np.where(e.forces.active, -CP, 0.0)  # (24)
+        return axle.pad_friction + gradient(y, u, gain(axle), e.signals.sample_time)
 
-    return adapt(e.car.front, e.read.p_f, brakes[0]), adapt(e.car.rear, e.read.p_r, brakes[1])
+    return adapt(e.car.front, e.signals.p_f, brakes[0]), adapt(e.car.rear, e.signals.p_r, brakes[1])
 
 
 def _by_curves(table: Table, eta: Array, b: ForceBalance) -> Pair:
@@ -91,9 +93,10 @@ def gradient(y: Array, u: Array, gamma: float, dt: float) -> Array:
     step = gamma * dt * u
     if np.max(step * u, initial=0.0) >= 2.0:
         return np.full_like(y, np.nan)
-    # theta[k+1] = (1 - gamma u^2 dt) theta[k] + gamma dt u y is a lower bidiagonal system
-    band = np.stack([np.ones_like(u), np.append((step * u)[1:], 2.0) - 1.0])
-    return np.asarray(solve_banded((1, 0), band, step * y))  # (25)
+    # theta[k] - (1 - gamma dt u^2) theta[k-1] = gamma dt u y is a lower bidiagonal system, (25)
+    # rows of ``band``: the diagonal, and the numbers below it, of which the last is not used
+    band = np.stack([np.ones_like(u), np.append((step * u)[1:] - 1.0, 0.0)])
+    return np.asarray(solve_banded((1, 0), band, step * y))
 
 
 METHODS: dict[str, Callable[[Estimate], Pair]] = {

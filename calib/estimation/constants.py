@@ -49,8 +49,8 @@ class Constants:
     noise_z: float  # noise density of the deceleration [s^0.5]
     noise_v: float  # noise density of the measured speed [m/s s^0.5]
     radii: float  # rolling radius of the front wheels over that of the rear ones, less 1 [1]
-    late: float  # delay of v behind the wheel speeds [s], and its sigma
-    late_sigma: float
+    late: float  # delay of v behind the wheel speeds [s]
+    late_sigma: float  # sigma of this delay [s]
     ramp_ratio: float  # ln of the pads' ratio on the ramp [1]
     block: float  # length of a block [s]
     bite: float = BITE  # pressure of a brake that is applied [Pa]
@@ -58,7 +58,7 @@ class Constants:
     steady: float = ROLLING_Z  # deceleration of a car that rolls, at most [1]
     q_radius: float = WALK  # random walk of the zeros of eta and slip [1/sqrt(s)]
     memory: float = 0.3  # time over which the means for the map forget [s]
-    before_bite: float = 0.1  # time before a bite [s] without zeros, since pads may touch
+    before_bite: float = 0.1  # blocks so short before a bite [s] show no zero: pads may touch
     untouched: float = 7e4  # pressure up to which pads do not touch [Pa]
     settle: float = 0.3  # time of braking before an answer is valid [s]
     over: float = 1.0  # time after a release at which a stop is over [s]
@@ -78,30 +78,30 @@ class Constants:
     r_level: float = 0.007  # relative noise of the force of a block, by road and body
     lag: float = CAR.brake_lag.mean  # time constant of the brakes [s]
     lag_sigma: float = CAR.brake_lag.sigma  # sigma of that time constant [s]
-    r_lag: float = 0.2  # relative noise of the force to come: brakes do not lag by first order
+    r_lag: float = 0.2  # error of the lag's model, over the force that still lags
     least_lag: float = 0.004  # least time constant of the brakes [s]
     apart: float = 0.02  # difference of the clocks of a_x and speeds [s]
     zero: float = CAR.zero.sigma  # sigma of a zero before any rolling [1]
     offset: float = SENSOR.a_x_offset.sigma  # sigma of bias and slope before any rolling [1]
     q_bias: float = 1e-4  # random walk of the bias of a_x as it warms up [1/sqrt(s)]
     q_grade: float = 0.001  # random walk of bias and slope [1/sqrt(s)]
-    scale: float = LOG.a_x_scale_step.mean  # relative excess of a_x while braking, and its sigma
-    scale_sigma: float = LOG.a_x_scale_step.sigma
+    scale: float = LOG.a_x_scale_step.mean  # relative excess of a_x while braking [1]
+    scale_sigma: float = LOG.a_x_scale_step.sigma  # sigma of this excess [1]
     ageing: float = 0.01  # random walk of a held ratio [1/sqrt(s)]
     unlike: float = 0.5  # sigma of the change of ln of the ratio over that of ln of the level [1]
     narrower: float = 0.2  # a reading narrower by this replaces the held ratio [1]
     r_slip: float = 0.04  # relative noise of the slip of a block
-    log_slip: float = CAR.log_slip.mean  # ln(slip/z) before any braking, 0.04, and its sigma [1]
-    log_slip_sigma: float = CAR.log_slip.sigma
+    log_slip: float = CAR.log_slip.mean  # ln(slip/z) before any braking: slip/z is 0.04 [1]
+    log_slip_sigma: float = CAR.log_slip.sigma  # sigma of this logarithm [1]
     q_slip: float = 0.03  # random walk of ln(slip/z) [1/sqrt(s)]
-    q_bends: float = 0.1  # variance of ln(slip/z) per change of z [1], since tyres are no lines
+    q_bends: float = 0.1  # variance of ln(slip/z) per change of z [1], since tyre curves bend
     other_road: float = _ROAD_SIGMA  # sigma of ln of the tyres' stiffness over the ramp's [1]
     slowest: float = 0.3  # a slower speed of the rims counts as this [m/s]
     steering: float = math.radians(5.0)  # driver's wheel [rad] that changes eta as braking does
+    # left and right radii that differ by 0.5 % look like this acceleration at 30 m/s
     lateral: float = 3.0  # acceleration by the wheels, above which a bend changes eta [m/s^2]
-    # (radii that differ by 0.5 %, left to right, show as much at 30 m/s)
-    lock: float = 0.15  # share by which only a wheel with ABS or a lock is slower [1]
-    slows: float = 15.0 / NOMINAL_RADIUS  # no road lets wheels slow by more [rad/s^2]: all lock
+    lock: float = 0.15  # a wheel that is slower than the fastest by this share locks [1]
+    slows: float = 15.0 / NOMINAL_RADIUS  # wheels that slow by more [rad/s^2] lock on any road
     turning: float = MOVING / NOMINAL_RADIUS  # wheel speed from which on a lock is seen [rad/s]
     recover: float = 1.0  # time after a lock, ABS or a failed check without a valid answer [s]
     unexplained: float = 0.02  # brake force over the weight that is more than noise of a_x [1]
@@ -116,13 +116,12 @@ class Constants:
     far: float = 7.0  # largest plausible departure of the offset from its prior [sigma]
     far_scale: float = 10.0  # the same of the scale; a slope that begins in a stop moves it by 9
     far_slip: float = 2.8  # the same of ln(slip/z), upwards
-    least_demand: float = -0.15  # least and largest plausible brake force over the weight [1]
-    most_demand: float = 1.3
+    least_demand: float = -0.15  # least plausible brake force over the weight [1]
+    most_demand: float = 1.3  # largest plausible brake force over the weight [1]
     most_zero: float = 0.1  # largest plausible zero of the demand [1]
     most_radii: float = 0.05  # largest plausible departure of eta - 1 from the file's radii [1]
     refusals: float = 10.0  # implausible zeros in a row, after which no zero is known
 
-    # Values that follow from those above.
     keep: float = _follows(lambda c: math.exp(-c.block / c.memory))  # share of old means [1]
 
     # variances before any braking
@@ -136,9 +135,9 @@ class Constants:
     # variances of the mean of a block by noise, and that of the speed in a block
     var_z: float = _follows(lambda c: c.noise_z**2 / c.block)
     var_rim: float = _follows(lambda c: c.noise_rim**2 / c.block)
-    var_zero_z: float = _follows(lambda c: (c.noise_z**2 + 1e-8) / c.block)
+    var_zero_z: float = _follows(lambda c: (c.noise_z**2 + 1e-8) / c.block)  # more than 0
     var_v: float = _follows(lambda c: (G * c.noise_z) ** 2 * c.block)  # by the noise of a_x
-    var_apart: float = _follows(lambda c: (G * c.apart) ** 2)  # by clocks, over a change of z^2
+    var_apart: float = _follows(lambda c: (G * c.apart) ** 2)  # of the speed, per (change of z)^2
     walk_level: float = _follows(lambda c: c.q_level**2 * c.block)
     walk_rate: float = _follows(lambda c: c.q_rate**2 * c.block)
     walk_slip: float = _follows(lambda c: c.q_slip**2 * c.block)

@@ -126,7 +126,7 @@ def reset_stop(c: Constants, s: State) -> None:
     s.braked, s.mean_z = 0.0, 0.0
     e: Check = s.check
     departure = s.speed.scale - c.scale
-    if abs(departure) > c.far * c.scale_sigma:  # by a fault: learn the scale anew
+    if abs(departure) > c.far * c.scale_sigma:  # only a fault moves it so far: learn it again
         s.speed.var_scale = max(s.speed.var_scale, departure**2)
     e.level, e.chatter, e.ratio = 1.0, 0.0, 0.0
 
@@ -141,11 +141,12 @@ def start(c: Constants, s: State) -> None:
 def brake_line_lag(c: Constants, s: State, nominal: float) -> None:
     """Update the force behind the lag and its derivative by the lag, (S5) for a linear rise."""
     dt, lag = c.block, max(s.lag.value, c.least_lag)
+    # the solution of (S5) is u_a = u - lag rate + transient exp(-t/lag), for a constant rate of u
     decay = math.exp(-dt / lag)
     rate = (nominal - s.nominal) / dt
-    behind = s.acting - s.nominal + lag * rate
-    s.by_lag = -rate + (s.by_lag + rate) * decay + behind * decay * dt / lag**2
-    s.acting = nominal - lag * rate + behind * decay
+    transient = s.acting - s.nominal + lag * rate
+    s.by_lag = -rate + (s.by_lag + rate) * decay + transient * decay * dt / lag**2
+    s.acting = nominal - lag * rate + transient * decay
     s.nominal = nominal
 
 
@@ -261,11 +262,11 @@ def motor_fits(c: Constants, s: State, x: Sample[float], *, counts: bool) -> boo
     """Return whether a change of a motor's torque shows in the deceleration."""
     e: Check = s.check
     step, y = x.drive - e.drive, x.demand - s.demand.value
-    # log likelihood ratio, times the variance, of a step in the demand alone over no step in it
-    likely = step * (y - s.level.level * s.acting - 0.5 * step)
+    # ln of the likelihood that y contains the step over that it does not, times the variance of y
+    evidence = step * (y - s.level.level * s.acting - 0.5 * step)
     spread = force_variance(c, s, x, y) + s.demand.variance
-    fits = not counts or abs(step) < c.unexplained or likely < c.errs * spread
-    e.failing = 2.0  # the bit of "motor_changed"
+    fits = not counts or abs(step) < c.unexplained or evidence < c.errs * spread
+    e.failing = 2.0  # the bit of "motor_changed", the first check of a block
     if fits:
         e.failing = 0.0
         e.drive += step * c.share_drive
@@ -295,7 +296,7 @@ def check_states(c: Constants, s: State, y: float, *, braking: bool, counts: boo
     """Check innovations and states for plausibility; also average the level of the pads."""
     e: Check = s.check
     check_a_x(c, s)
-    if braking and counts and not s.errs:
+    if braking and counts and not s.errs:  # the mean since the bite, later over `usual_level`
         e.level += (s.level.level - e.level) * c.block / min(s.braked + c.block, c.usual_level)
     if braking and e.chatter > c.chatter:
         e.failing += 4.0  # the bit of "modulated"
@@ -321,10 +322,10 @@ def predict(
     """Predict the speed by a_x, (S7); ``bends`` is the change of the mean deceleration [1]."""
     f: SpeedFilter = s.speed
     rims = rim_speed(s, x)
-    if not s.anchored:  # else a new zero of eta would look like a jump of speed
+    if not s.anchored:  # the speed of the rims jumps when the zero of eta is learned
         reset_speed(c, s)
         s.rim = rims
-        if braking or s.eta_less_1.variance < 0.5 * c.var_zero:
+        if braking or s.eta_less_1.variance < 0.5 * c.var_zero:  # it is learned, or will not be
             s.anchored = True
     lost = c.speed * (0.5 * (x.z + s.z) - f.offset)  # by the block, but for the scale [m/s]
     by_offset, by_scale = c.speed, 0.0  # derivatives of the speed
@@ -333,10 +334,11 @@ def predict(
         by_offset, by_scale = c.speed * (1.0 - f.scale), lost
         f.v += lost * f.scale
     e: Check = s.check
-    errs = y - e.level * s.acting  # the pads changed, or a_x errs
-    errs = errs if abs(errs) > c.unexplained else 0.0
-    e.v += by_offset * e.offset + by_scale * e.scale - 0.5 * by_offset * (errs + e.error)
-    e.error = errs
+    error = y - e.level * s.acting  # of a_x, unless the pads changed
+    error = error if abs(error) > c.unexplained else 0.0
+    # predict the error of v, too: by those of offset and scale, and by the mean error of the block
+    e.v += by_offset * e.offset + by_scale * e.scale - 0.5 * by_offset * (error + e.error)
+    e.error = error
     s.rim = rims
     var_v = f.var_v + by_offset * f.cov_v_offset + by_scale * f.cov_v_scale
     f.cov_v_slip += by_offset * f.cov_slip_offset + by_scale * f.cov_slip_scale
@@ -347,7 +349,7 @@ def predict(
     f.var_offset += c.walk_grade
     if s.braked > c.block:
         f.var_slip += c.walk_slip + c.q_bends * bends
-    else:
+    else:  # no block before this one brakes: the slip is not known
         f.slip, f.var_slip = c.log_slip, c.var_log_slip
         f.cov_v_slip, f.cov_slip_offset, f.cov_slip_scale = 0.0, 0.0, 0.0
         e.slip = 0.0
@@ -381,7 +383,7 @@ def step_filters(c: Constants, s: State, x: Sample[float], *, counts: bool) -> N
         s.share = 1.0
         if s.braked > 0.0 and s.released > c.released:
             reset_stop(c, s)
-            s.check.drive = x.drive  # no contradiction of a stop outlasts it
+            s.check.drive = x.drive  # after a stop the torque of the motor is believed again
     predict(c, s, x, y, abs(s.mean_z - last_mean), braking=braking)
     if counts:
         update_wheels(c, s, y, braking=braking)
@@ -406,7 +408,7 @@ def held_variance(c: Constants, s: State, level: float) -> float:
 
 
 def share_of(c: Constants, width: float, held_width: float) -> float:
-    """Return the weight of a reading, (S11): the narrower against the held one, the more, to 1."""
+    """Return the weight of a reading, (S11): 0 if it is as wide as the held one, 1 if narrower."""
     return min(max((held_width / width - 1.0) / c.narrower, 0.0), 1.0)
 
 

@@ -57,9 +57,9 @@ class Estimate(Viewable):
     table: Table  # with the car as driven
     car: Vehicle  # with nominal pads and all known effects
     run: Run  # log with its gaps filled
-    ran: CorrectedRun  # the log without known effects, and their factors on the pad friction
-    read: Signals  # of ``ran``
-    forces: BrakeBalance  # of ``read``
+    corrected: CorrectedRun  # log without known effects, and their factors on the pad friction
+    signals: Signals  # of ``corrected``
+    forces: BrakeBalance  # of ``signals``
     noise: SensorNoise
     best: Readout  # answer by all channels
     ecu: Readout  # answer without v
@@ -71,17 +71,17 @@ class Estimate(Viewable):
     @property
     def time(self) -> Array:
         """Clock of the log [s] (n,)."""
-        return self.read.time
+        return self.signals.time
 
     @cached_property
     def bites(self) -> Mask:
         """Samples (n,) in which the pads bite."""
-        return np.maximum(self.read.p_f, self.read.p_r) > BITE
+        return np.maximum(self.signals.p_f, self.signals.p_r) > BITE
 
     @property
     def braked(self) -> Mask:
         """Samples (n,) with enough pressure for a pad level."""
-        return np.maximum(self.read.p_f, self.read.p_r) > Constants.least_pressure
+        return np.maximum(self.signals.p_f, self.signals.p_r) > Constants.least_pressure
 
     @property
     def valid(self) -> Mask:
@@ -107,21 +107,21 @@ class Estimate(Viewable):
     @property
     def eta(self) -> Array:
         """Eta (22) over its zero [1] (n,)."""
-        return eta_of(self.read.omega_f, self.read.omega_r) / self.zeros[0]
+        return eta_of(self.signals.omega_f, self.signals.omega_r) / self.zeros[0]
 
     @property
     def slips(self) -> Pair | None:
         """Slips (19), (20) of the axles [1] (n,) without their zeros; None without v."""
-        if self.read.v is None:
+        if self.signals.v is None:
             return None
-        radius = self.car.front.rolling_radius / (1.0 - self.zeros[1])
-        rim_over_v = radius * self.read.omega_f / np.maximum(self.read.v, 0.5)
+        radius = self.car.front.rolling_radius / (1.0 - self.zeros[1])  # of rolling without slip
+        rim_over_v = radius * self.signals.omega_f / np.maximum(self.signals.v, 0.5)
         return 1.0 - rim_over_v, 1.0 - rim_over_v * self.eta
 
     @cached_property
     def normalised(self) -> Pair:
         """F_x/F_z of the axles [1] (n,) over the quasi-static load (6), (7)."""
-        road, step = self.forces.balance, self.read.sample_time
+        road, step = self.forces.balance, self.signals.sample_time
         brake_f = 2.0 * self.best.torque_f.value / self.car.front.rolling_radius
         brake_r = 2.0 * self.best.torque_r.value / self.car.rear.rolling_radius
         return (
@@ -132,8 +132,9 @@ class Estimate(Viewable):
     def columns(self) -> dict[str, Array | Mask | Index]:
         """Return the columns (n,) by the names of `COLUMNS`; both wheels of an axle are equal."""
         best, ecu = self.best.columns() | {"valid": self.valid}, self.ecu.columns()
-        columns = self.time, self.read.z, self.eta, *self.normalised, *best.values(), *ecu.values()
-        return dict(zip(COLUMNS, (*columns, self.ecu.step.reason), strict=True))
+        motion = self.time, self.signals.z, self.eta, *self.normalised
+        columns = *motion, *best.values(), *ecu.values(), self.ecu.step.reason
+        return dict(zip(COLUMNS, columns, strict=True))
 
     def to_frame(self) -> "pd.DataFrame":
         """Return `columns` as a frame with units in ``attrs["units"]``, by the extra `frames`."""
@@ -199,24 +200,26 @@ def estimate_run(
     filled, rows = _filled(run)
     used = as_driven(table, filled.car)
     nominal = nominal_car(used, vehicle)
-    disturbed = np.full(filled.log.time.size, int(Reason.FAULT))
-    disturbed[rows] = disturbances(used, filled.corrected.log, filled.signals)[rows]
+    corrected, signals = filled.corrected, filled.signals
+    disturbed = np.full(signals.time.size, int(Reason.FAULT))  # in gaps
+    disturbed[rows] = disturbances(used, corrected.log, signals)[rows]
     noise = worst_noise([SensorNoise(**table.noise), filled.lead_in_noise])
-    best = read_out(used, noise, filled.signals, filled.blocks, disturbed)
-    ran, read = filled.corrected, filled.signals
-    if rows.size < read.time.size:  # leave out the samples in gaps
-        best, ran, read = best.take(rows), ran.take(rows), read.take(rows)
-    ecu = online(exported or table, replace(car, effects=sensed(car.effects)), log)
+    best = read_out(used, noise, signals, filled.blocks, disturbed)
+    if rows.size < signals.time.size:  # leave out the samples in gaps
+        best, corrected, signals = best.take(rows), corrected.take(rows), signals.take(rows)
+    car_of_ecu = replace(car, effects=sensed(car.effects))  # with what an ECU can take out
+    ecu = online(exported or table, car_of_ecu, log)
     return Estimate(
         table=used,
         car=replace(nominal, effects=car.effects),
         run=filled,
-        ran=ran,
-        read=read,
-        forces=brake_balance(nominal, known_effects(used), read),
+        corrected=corrected,
+        signals=signals,
+        forces=brake_balance(nominal, known_effects(used), signals),
         noise=noise,
         best=best,
-        ecu=ecu.with_pads(1.0 / ran.factor_f, 1.0 / ran.factor_r),
+        # the known effects on the pads are taken out, as in ``best``
+        ecu=ecu.with_pads(1.0 / corrected.factor_f, 1.0 / corrected.factor_r),
     )
 
 

@@ -25,7 +25,7 @@ def as_driven(table: Table, car: Vehicle) -> Table:
 
 
 def nominal_car(table: Table, vehicle: Vehicle | None = None) -> Vehicle:
-    """Return the table's car with pads of ``vehicle``, by default its own at the ramp's level."""
+    """Return the car with pads of ``vehicle``, by default those of its file at the ramp's level."""
     car = table.vehicle
     if vehicle:
         return car.with_pads(vehicle.front.pad_friction, vehicle.rear.pad_friction)
@@ -39,11 +39,11 @@ def known_effects(table: Table) -> Effects:
 
 
 def require_plain(table: Table) -> None:
-    """Raise StoreError for known effects that the C code does not take out."""
+    """Raise StoreError for known effects that the C code does not subtract from its signals."""
     others = [name for name in known_effects(table).described if name not in RESISTANCE]
     if others:
         raise StoreError(
-            f"the code does not take out {', '.join(others)}",
+            f"the C code does not take out {', '.join(others)}",
             expected=" and ".join(RESISTANCE) + " alone",
             do="hand out the table in another format, and take the effect out before it is read",
         )
@@ -57,22 +57,22 @@ def known_resistance(table: Table) -> Resistance:
 
 
 def known_slips(table: Table, road: ForceBalance) -> Pair:
-    """Return the slip of both axles [1] (n,) that known effects add: slip with less slip without.
+    """Return the slip of both axles [1] (n,) that known effects add to the slip by the brakes.
 
     ``road`` has the forces of the car. Slips follow from the tyre curve of the table, with pads of
     the ramp's ratio; on another road they are wrong by the ratio of the tyres' stiffness there.
     """
     car = table.vehicle
-    # -M dv/dt where the brakes alone slow the car: rotating masses take the rest of the force
-    alone = road.demanded / (1.0 + sum(rotating_shares(car)))
+    # -M dv/dt [N] of a car without known effects: a part of the brake force slows the wheels
+    inertia = road.demanded / (1.0 + sum(rotating_shares(car)))
     share = front_share(car, table.calibration.pad_log_ratio.value)
 
     def slip(force: Array, load: Array) -> Array:
         F = force / np.maximum(load, 0.1 * car.weight)
         return np.asarray(np.sign(F) * np.interp(np.abs(F), table.tyre.force, table.tyre.slip))
 
-    front, rear = tyre_forces(car, share, road.demanded, alone)
-    load_f, load_r = axle_loads(car, alone / car.weight)
+    front, rear = tyre_forces(car, share, road.demanded, inertia)
+    load_f, load_r = axle_loads(car, inertia / car.weight)
     return (
         slip(front + road.drag_no_inertia_f, road.load_f) - slip(front, load_f),
         slip(rear + road.drag_no_inertia_r, road.load_r) - slip(rear, load_r),

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from calib.base.plain import METRICS
+from calib.base.plain import METRICS, MetricLimits
 from calib.base.warning import PlausibilityWarning
 
 PASSED, WARNING, FAILED, NOT_KNOWN = "passed", "warning", "failed", "not known"  # verdicts
@@ -58,12 +58,10 @@ def _within(value: float, low: float | None, high: float | None) -> bool:
 DEFAULTS: tuple[Limit, ...] = tuple(
     Limit(key, *metric.stop, metric.required)
     for key, metric in METRICS.items()
-    if any(end is not None for end in metric.stop)
+    if metric.stop != MetricLimits()  # the limits of a stop: low, high, warn_low, warn_high
 )
 """Limits of a stop when the user gives none: an ECU has answers, whose intervals hold the truth.
-
-How large errors and intervals may be is for the user to limit.
-"""
+How large errors and intervals may be is for the user to limit."""
 
 
 def judge(limits: tuple[Limit, ...], figures: Mapping[str, float | None]) -> tuple[Judgement, ...]:

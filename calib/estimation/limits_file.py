@@ -26,9 +26,9 @@ _EXPECTED = "[LOW, HIGH]; -inf, inf: no limit"
 
 
 def _range(written: object) -> object:
-    """Return a list of two numbers in order, else raise; the schema refuses true and false."""
+    """Return ``written`` if it is a list of two numbers in order, else raise."""
     match written:
-        case [int() | float() as low, int() | float() as high]:
+        case [int() | float() as low, int() | float() as high]:  # the schema refuses booleans
             if low <= high and low < inf and high > -inf:
                 return written
             raise wrong(f"{low:g} to {high:g} is no range", _EXPECTED)
@@ -61,7 +61,7 @@ class _LimitSection(Section):
 
     @model_validator(mode="after")
     def _require_consistent(self) -> Self:
-        if self.model_fields_set <= {"required"}:
+        if not self.model_fields_set - {"required"}:
             raise wrong("no limit in it", self.written_as)
         if self.fail is not None and self.model_fields_set & {"min", "max"}:
             raise wrong("has both fail and min or max", "one of them: they say the same")

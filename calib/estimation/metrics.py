@@ -18,9 +18,7 @@ from calib.estimation.readout import Bounded, Readout
 from calib.table.budget import Parts, deviations
 
 METRICS: dict[str, str] = meanings("stop")  # all metrics of a validation, with their meanings
-
 Figures = dict[str, float | None]
-
 _FEWEST = 30  # least number of samples of a mean
 
 
@@ -33,28 +31,28 @@ class Truth(NamedTuple):
 
 def truth_of(e: Estimate) -> Truth | None:
     """Return the truth of both axles if the log has the torque of its wheels, else None."""
-    channels, car = e.ran.log.truth, e.car
+    channels, car = e.corrected.log.truth, e.car
     if "true_Tb_fl" not in channels or "true_Tb_rl" not in channels:
         return None
     wheels = np.array([[channels[f"true_Tb_{axle}{side}"] for side in "lr"] for axle in "fr"])
     torque = 0.5 * (wheels[:, 0] + wheels[:, 1])
     # without truth channels of the pads, their friction follows from (2) with the car's geometry
-    p = np.array([e.read.p_f, e.read.p_r])
+    p = np.array([e.signals.p_f, e.signals.p_r])
     gain = np.array([[car.front.torque_gain], [car.rear.torque_gain]])
     pads = torque / (gain * np.where(p > 1e5, p, np.nan))
-    for i, (axle, factor) in enumerate((("f", e.ran.factor_f), ("r", e.ran.factor_r))):
+    for i, (axle, factor) in enumerate((("f", e.corrected.factor_f), ("r", e.corrected.factor_r))):
         if f"true_mu_pad_{axle}" in channels:
             pads[i] = channels[f"true_mu_pad_{axle}"] / factor
     return Truth(np.where(pads > 0.0, pads, np.nan), torque)
 
 
 _SIDES = ("f", "r", "level")  # an answer is scored for each axle and for both together
-_NAMES = (
-    ("pad_friction_level", "pad_level"),
-    ("torque_error_level", "level_error"),
-    ("ecu_truth", "true"),
-)
-"""Parts of a name that `score` composes, and what replaces them in the key of the metric."""
+_SHORTER = {
+    "pad_friction_level": "pad_level",
+    "torque_error_level": "level_error",
+    "ecu_truth": "true",
+}
+"""`score` composes the name of a metric; these parts of the name are shorter in its key."""
 
 
 def score(e: Estimate) -> Figures:
@@ -89,14 +87,14 @@ def score(e: Estimate) -> Figures:
     if e.run.blocks.v is not None and comparable.any():
         figures["ecu_reference_f"] = departure(e.ecu.pads_f, e.best.pads_f, comparable)
         figures["ecu_reference_r"] = departure(e.ecu.pads_r, e.best.pads_r, comparable)
-    for part, name in _NAMES:
-        figures = {key.replace(part, name): x for key, x in figures.items()}
+    for part, shorter in _SHORTER.items():
+        figures = {name.replace(part, shorter): value for name, value in figures.items()}
     return {key: finite_or_none(figures.get(key)) for key in METRICS}
 
 
 def counted_samples(e: Estimate) -> Mask:
     """Return the braked samples above 3 m/s (n,), to which shares refer."""
-    return e.braked & (e.read.speed > MOVING)
+    return e.braked & (e.signals.speed > MOVING)
 
 
 def share(part: Mask, whole: Mask) -> float:
@@ -110,7 +108,8 @@ def _of_answer(
     """Return metrics by side (3,): of pads over ``valid`` samples, of torques over ``counted``."""
     metrics: dict[str, Array] = {}
     pads = np.array([answer.pads_f, answer.pads_r, answer.level])  # (side, value and bounds, n)
-    x = Bounded(*pads[..., valid].swapaxes(0, 1))  # (side, n valid) each
+    at_valid = pads[..., valid]
+    x = Bounded(at_valid[:, 0], at_valid[:, 1], at_valid[:, 2])  # (side, n valid) each
     third = x.value.shape[1] // 3  # samples in a third of the stop
     if 3 * third >= _FEWEST:
         first, last = x.value[:, :third].mean(axis=1), x.value[:, -third:].mean(axis=1)
@@ -129,10 +128,11 @@ def _of_answer(
         errors = np.where(comparable, x.deviations(true), 0.0)
         count = comparable.sum(axis=1)
         error = _rms((torque - true_torque)[:, counted])
+        last = np.flatnonzero(counted)[-1]
         return metrics | {
             "torque_error": error / _rms(true_torque[:, counted]),
             "pad_friction_bias": np.abs((x.value / true - 1.0).mean(axis=1)),
-            "final_error": np.abs(pads[:, 0] / true_pads - 1.0)[:, counted][:, -1],
+            "final_error": np.abs(pads[:, 0, last] / true_pads[:, last] - 1.0),
             "inside": ((true >= x.lower) & (true <= x.upper)).mean(axis=1),
             "normalised_error": np.sqrt(np.square(errors).sum(axis=1) / count),
             "truth_pad_friction": np.where(comparable, true, 0.0).sum(axis=1) / count,
@@ -194,7 +194,7 @@ def _of_axle(e: Estimate, pads: Bounded, axle: int) -> Parts:
     """Return the budget of the ``pads`` of an axle, 0 for the front one and 1 for the rear one."""
     step, draws = e.best.step, e.table.draws
     order = np.argsort(np.where(e.valid, pads.upper / pads.lower, np.inf), kind="stable")
-    i = order[(np.count_nonzero(e.valid) - 1) // 2]  # the narrower of the two in the middle
+    i = order[(np.count_nonzero(e.valid) - 1) // 2]  # the median, the narrower of two
     front = front_share(e.table.vehicle, float(step.ratio[0, i]))
     squared_lever = (1.0 - front, front)[axle] ** 2
     ramp = squared_lever * np.var(draws.log_pad_ratio)

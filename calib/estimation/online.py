@@ -50,15 +50,16 @@ VARIABLES = {x.name: x for x in map(_read, rows("variables.csv", "calib.estimati
 CHANNELS = {x.name: x for x in VARIABLES.values() if "input" in x.estimator}
 """Channels that an ECU reads; a sample (11,) has this order, in Python and in C."""
 
-P_MC, A_X, FL, FR, RL, RR, STEERING, DRIVEN, *_, ABS_ACTIVE = range(len(CHANNELS))
-OMEGA, DRIVE = slice(FL, RR + 1), slice(DRIVEN + 1, DRIVEN + 3)
+P_MC, A_X, FL, FR, RL, RR, STEERING, DRIVEN, DRIVE_F, DRIVE_R, ABS_ACTIVE = range(len(CHANNELS))
+OMEGA, DRIVE = slice(FL, RR + 1), slice(DRIVE_F, DRIVE_R + 1)
 """Places of channels in a sample."""
 
 REASON = VARIABLES.pop("reason")
 ANSWERS = {x.name: x for x in VARIABLES.values() if "output" in x.estimator}
 """Quantities of an answer (9, 3), each a median with its 95 % bounds, without the `Reason`."""
+READ_OUT = tuple(FIELDS[name] for name in ANSWERS)  # the fields of a `Readout` with `ANSWERS`
 
-_LONGEST_GAP = 10.0  # a longer gap of a log [s] counts as this: nothing but the zeros lasts longer
+_LONGEST_GAP = 10.0  # a longer gap of a log [s] counts as this: it ends a stop all the same
 
 
 def rows_of(log: Log) -> Index:
@@ -89,9 +90,6 @@ def limits(sample_time: float, car: Vehicle) -> tuple[Array, Array, Array]:
     low[DRIVE], high[DRIVE] = np.negative(torque), torque
     high[OMEGA] = np.minimum(high[OMEGA], _FASTEST / car.front.rolling_radius)
     return low, high, np.minimum(jump + rate * sample_time, high - low)
-
-
-READ_OUT = tuple(FIELDS[name] for name in ANSWERS)  # fields of a `Readout` in this order
 
 
 def online(table: Table, car: Vehicle, log: Log) -> Readout:

@@ -98,7 +98,7 @@ FIELDS = (
     | {"pad_level": "level", "pad_ratio": "ratio", "brake_torque_sum": "torque_sum"}
 )
 """Fields of a `Readout` by their columns; both wheels of an axle have the same torque."""
-ENDS = "", "_lower", "_upper"  # of the names of a median and of its bounds
+ENDS = "", "_lower", "_upper"  # endings of three columns: a median and its bounds
 UNITS = {
     f"{name}{end}": "N*m" if "torque" in name else "1"
     for name in FIELDS
@@ -144,7 +144,8 @@ def torques_of(
     """
     front = car.front.torque_gain * np.maximum(pressures[0], 0.0) * pads[0]
     rear = car.rear.torque_gain * np.maximum(pressures[1], 0.0) * pads[1]
-    return front, rear, level / level[0] * 2.0 * (front[0] + rear[0])
+    total = 2.0 * (front[0] + rear[0])
+    return front, rear, level / level[0] * total  # its relative bounds are those of the level
 
 
 def pads_of_blocks(table: Table, x: Sample[Array], answer: Answer) -> tuple[Array, ...]:
@@ -157,13 +158,12 @@ def pads_of_blocks(table: Table, x: Sample[Array], answer: Answer) -> tuple[Arra
     share = front_share(car, log_odds)
     file_pads = np.array([car.front.pad_friction, car.rear.pad_friction])
     ramp_pads = np.array([calibration.pad_friction_f.value, calibration.pad_friction_r.value])
-    # ln of the ratio over the file's, with the bounds of the change alone
-    ratio_since_ramp = calibration.pad_log_ratio.value + answer.change
     pads = file_pads[:, None, None] * _pads_of(share, answer.level, answer.ratio)
-    factor_since_ramp = _pads_of(share, answer.level, ratio_since_ramp)
-    changed = (file_pads / ramp_pads)[:, None, None] * factor_since_ramp
-    level, ratio = np.exp(answer.level), np.exp(answer.ratio)
-    return level, file_pads[0] / file_pads[1] * ratio, *pads, *changed
+    # the quotients have the bounds of the change alone: the ratio of the ramp counts as exact
+    ratio = calibration.pad_log_ratio.value + answer.change
+    changes = (file_pads / ramp_pads)[:, None, None] * _pads_of(share, answer.level, ratio)
+    level, ratio_over_file = np.exp(answer.level), np.exp(answer.ratio)
+    return level, file_pads[0] / file_pads[1] * ratio_over_file, *pads, *changes
 
 
 def with_before(c: Constants, answer: Answer) -> Answer:
@@ -196,7 +196,7 @@ def step_inputs(table: Table, b: Blocks, disturbed: Index, driven: Mask) -> Samp
         rear_share=road.load_r / car.weight,
         v=np.full(b.end.size, np.nan) if b.v is None else b.v,
         disturbed=disturbed.astype(np.float64),
-        # ln of front over rear pressure adds to the log odds of the front share of the force
+        # ln of front over rear pressure, 0.1 bar at least, adds to the log odds of the front share
         log_odds=np.log(np.maximum(b.p_f, 1e4) / np.maximum(b.p_r, 1e4)),
         driven=driven.astype(np.float64),
         drive=drive / car.weight,
@@ -213,5 +213,5 @@ def _pads_of(share: Array, level: Array, ratio: Array) -> Array:
     log_rear = -np.log(share * np.exp(ratio) + 1.0 - share)
     # ln of the pads at a level of 1, (2, 3, k); a higher ratio means weaker rear pads
     log_pads = np.stack([ratio + log_rear, log_rear[[0, 2, 1]]])
-    # the bounds of the level, widened by the distances to the bounds by the ratio
-    return np.exp(np.stack([widened(level + x[0], x[0] - x) for x in log_pads]))
+    # of an axle (3, k): the level times the median of the pads, and the distances to both bounds
+    return np.exp(np.stack([widened(level + axle[0], axle[0] - axle) for axle in log_pads]))

@@ -43,8 +43,8 @@ CHECKS = {
     "a_x_changed": "a_x changes, and the wheels do not",
     "motor_changed": "the torque of a motor changes, and the car does not",
     "modulated": "the force changes all the time at a held pressure, as with ABS",
-    "far": "what was learned of a_x, or the demanded force, is as of no car",
-    "no_zero": "what is read while nothing brakes is no zero",
+    "far": "the learned errors of a_x, or the demanded force, are larger than on any car",
+    "no_zero": "the readings while nothing brakes are too far off for zeros",
 }
 """Checks of innovations and states, with words for a failure; their bits are 1, 2, 4, 8 and 16."""
 

@@ -52,19 +52,19 @@ class Online:
         """
         x = np.array([sample.get(name, 0.0) for name in ecu.CHANNELS])
         readings = ecu.held_readings(x[None], self._limits, self._readings)  # (1, 11) each
-        in_range, last, works = (y[0] for y in readings)
-        good = bool(works.all())
-        self._rows.append(last)
-        disturbance = self._disturbance(last)
-        self._reasons.append(disturbance if good else Reason.FAULT)
-        self._readings = in_range, last
+        in_range, last_good, works = (y[0] for y in readings)
+        all_work = bool(works.all())
+        self._rows.append(last_good)
+        disturbance = self._disturbance(last_good)
+        self._reasons.append(disturbance if all_work else Reason.FAULT)
+        self._readings = in_range, last_good
         if len(self._rows) == self._n:
             self._end_block()
         level, _, pads_f, pads_r = self._answers
-        pressures = last[ecu.P_MC], last[ecu.P_MC]
+        pressures = last_good[ecu.P_MC], last_good[ecu.P_MC]
         front, rear, total = torques_of(self._table.vehicle, pressures, level, (pads_f, pads_r))
         answers = *self._answers, front, front, rear, rear, total
-        out = {"reason": float(self._reason if good else Reason.FAULT)}
+        out = {"reason": float(self._reason if all_work else Reason.FAULT)}
         for name, bounded in zip(ecu.ANSWERS, answers, strict=True):
             for end, value in zip(ENDS, bounded, strict=True):
                 out[f"{name}{end}"] = float(value)
@@ -82,16 +82,17 @@ class Online:
         self._since_lock = 0.0 if locks else self._since_lock + self._dt
         self._since_abs = 0.0 if x[ecu.ABS_ACTIVE] > 0.5 else self._since_abs + self._dt
         mean = 0.5 * (x[ecu.RL] + x[ecu.RR])
-        apart, speed = (x[ecu.RR] - x[ecu.RL]) / max(mean, 1.0), car.rear.rolling_radius * mean
+        speed = car.rear.rolling_radius * mean
+        sides = (x[ecu.RR] - x[ecu.RL]) / max(mean, 1.0)  # as `calib.run.lateral.sides`
         slip = np.interp(-x[ecu.A_X] / G, self._table.tyre.force, self._table.tyre.slip)
-        turned = turning(apart, speed, car.track_width, slip, car.cg_height)
+        turned = turning(sides, speed, car.track_width, slip, car.cg_height)
         share = 1.0 - math.exp(-self._dt / LATERAL_TIME) if self._readings else 1.0
         self._lateral += share * float(turned - self._lateral)
         signals = self._since_abs, self._since_lock, self._lateral, x[ecu.STEERING]
         return int(first_reason(*signals, self._dt))
 
     def _end_block(self, *, is_first: bool = False) -> None:
-        """Run the step on a block; if ``is_first``, answer as before any block."""
+        """Run the step on a block. If ``is_first``, set the answers before any block instead."""
         x = np.array(self._rows or [np.zeros(len(ecu.CHANNELS))])
         fault, disturbed = Reason.FAULT in self._reasons, max(self._reasons, default=0)
         driven = np.array([x[:, ecu.DRIVEN].max() > 0.5])
@@ -104,9 +105,11 @@ class Online:
         if self._faulty or fault:  # the spin of a held reading is wrong
             spin = -G * z / radii
         drive_f, drive_r = x[:, ecu.DRIVE].mean(axis=0)
-        means = {"p_f": p, "p_r": p, "z": z, "speed": radii[1] * omega[1], "end": 0.0}
-        means |= {"drive_f": drive_f, "omega_f": omega[0], "spin_f": spin[0]}
-        means |= {"drive_r": drive_r, "omega_r": omega[1], "spin_r": spin[1], "lead_in": False}
+        means = {
+            "p_f": p, "omega_f": omega[0], "spin_f": spin[0], "drive_f": drive_f,
+            "p_r": p, "omega_r": omega[1], "spin_r": spin[1], "drive_r": drive_r,
+            "z": z, "speed": radii[1] * omega[1], "end": 0.0, "lead_in": False,
+        }  # fmt: skip
         columns: dict[str, Any] = {name: np.array([mean]) for name, mean in means.items()}
         b = Blocks(**columns, v=None, samples=self._n, length=self._c.block)
         inputs = step_inputs(self._table, b, np.array([disturbed]), driven)

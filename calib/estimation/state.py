@@ -17,7 +17,7 @@ class Sample(NamedTuple, Generic[Number]):
     nominal: Number  # brake force of nominal pads, over the weight [1]
     pressure: Number  # higher one of the axles' pressures [Pa]
     z: Number  # deceleration [1]
-    eta_less_1: Number  # raw eta - 1 [1], not over its zero; less 1, as float32 is coarse near 1
+    eta_less_1: Number  # eta - 1 [1] with its zero; minus 1, since float32 is coarse near 1
     rim: Number  # speed of the front wheels' rims [m/s]
     rear_share: Number  # share of the rear axle in the load [1]
     v: Number  # measured speed [m/s], NaN where not logged
@@ -86,7 +86,7 @@ class Check:
 
     level: float = 0.0  # level of the pads before it changed by a step [1]
     error: float = 0.0  # brake force that this level does not explain [1]: an error of a_x?
-    v: float = 0.0  # errors that an error of a_x makes in the states of `SpeedFilter`
+    v: float = 0.0  # errors of the states of `SpeedFilter`, if a_x is wrong by `error`
     slip: float = 0.0
     offset: float = 0.0
     scale: float = 0.0
@@ -111,7 +111,7 @@ class State:
     speed: SpeedFilter = field(default_factory=SpeedFilter)
     check: Check = field(default_factory=Check)
     rim: float = 0.0  # speed of the rims of all wheels [m/s]
-    anchored: bool = False  # whether the speed no longer moves with the zero of eta
+    anchored: bool = False  # whether a_x predicts the speed; else it is that of the rims
     errs: bool = False  # whether a_x is wrong, by the innovations
     waiting: deque[Sample[float]] = field(default_factory=deque)  # blocks that may show zeros
     nominal: float = 0.0  # brake force of nominal pads over the weight [1]

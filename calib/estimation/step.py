@@ -108,9 +108,9 @@ def run(c: Constants, x: Sample[Array]) -> Answer:
 
 def _answers(c: Constants, s: State, x: Sample[Array], state: eq.BlockState[Array]) -> Answer:
     """Answer each block (k,) by its ``state`` after `follow`."""
-    unbraked = state.blocks == 0.0  # since the last stop
-    z = np.where(unbraked, c.usual_z, state.z)
-    shift = state.eta_rise / z
+    no_means = state.blocks == 0.0  # no brake has bitten since the last stop
+    z = np.where(no_means, c.usual_z, state.z)
+    shift = state.eta_rise / z  # (eta - 1)/z, the second axis of the maps
     log_slip, sigma = c.slip(z, shift, 0.0 * z)
     w = eq.slip_evidence(c, state, z, log_slip, sigma)
     more = Z95 * np.sqrt(w.noise + w.accelerometer)  # half width by filter and a_x
@@ -118,11 +118,11 @@ def _answers(c: Constants, s: State, x: Sample[Array], state: eq.BlockState[Arra
 
     shifts = c.pads.axes[1]
     of_map = (shift >= shifts[0]) & (shift <= shifts[-1])
-    readable = of_map & ~unbraked & (z >= c.least_z)
+    readable = of_map & ~no_means & (z >= c.least_z)
     errors = eq.eta_error(c, state, z) / z, w.slip_sigma
     read, variance = _ratio(c, (z, shift, w.slip), errors, x.log_odds, readable)
     counts = state.counts > 0.0
-    flags = unbraked, counts & (x.pressure > c.bite)
+    flags = no_means, counts & (x.pressure > c.bite)
     ratios, variance = _hold(c, s, read, variance, w.pads, flags)
     return Answer(
         level, ratios[:, 0], ratios[:, 1], w.noise, w.accelerometer, variance,
@@ -163,48 +163,52 @@ def _ratio(
     prior, variance = c.prior(point[0]), 0.0 * point[0]
     ratios = read[:, :, 0]
     # an error widens the bounds by the slope of the map along its axis
-    for low, high, steps_of_error in ((1, 2, errors[0] / steps[0]), (3, 4, errors[1] / steps[1])):
+    for axis, (low, high) in enumerate(((1, 2), (3, 4))):  # places below and above the point
+        steps_of_error = errors[axis] / steps[axis]
         more = 0.5 * Z95 * steps_of_error * (read[0, :, high] - read[0, :, low])
         ratios, variance = widened(ratios, more), variance + (more[0] / Z95) ** 2
     narrowed = (ratios[2, 0] - ratios[1, 0]) / (prior[2, 0] - prior[1, 0])  # width over the prior's
     widths = zip(narrowed.tolist(), readable.tolist(), strict=True)
     share = np.array([eq.share_of(c, width, 1.0) if reads else 0.0 for width, reads in widths])
     ratios, variance = prior + share * (ratios - prior), share * variance
-    of_prior = 1.0 + share * (narrowed - 1.0)
+    width_left = 1.0 + share * (narrowed - 1.0)  # over the prior's
     # The map has the ratio of the brake forces; less log_odds it is that of the pads. As far as its
     # variance is still that of the prior, it is drawn to the pads of the ramp.
-    ratios[:, 0] += of_prior**2 * (log_odds - prior[0, 0] + c.ramp_ratio) - log_odds
+    ratios[:, 0] += width_left**2 * (log_odds - prior[0, 0] + c.ramp_ratio) - log_odds
     return ratios, variance
+
+
+_MEDIAN, _LOWER, _UPPER = 0, 2, 4  # places of the ratio in `State.held_ratio`
 
 
 def _hold(
     c: Constants, s: State, read: Array, variance: Array, levels: Array, flags: tuple[Mask, Mask]
 ) -> tuple[Array, Array]:
-    """Return the held ratio at each block, shaped as by `_ratio`: the narrowest so far, (S12).
+    """Return the held ratio and its variance at each block, shaped as ``read`` and ``variance``.
 
-    ``read`` and ``variance`` are results of `_ratio`, ``levels`` are those of the pads (k,). The
-    ``flags`` (k,) say whether a block is before a stop and resets the held ratio, and whether the
-    reading of the block counts.
+    These are results of `_ratio`, and ``levels`` are those of the pads (k,). ``flags`` are two
+    masks (k,): blocks between stops, which reset the held ratio to the reading, and blocks whose
+    reading counts. A reading narrower than the held ratio moves the held ratio, (S12).
     """
-    ratios, more_variance = [], []
-    rows = np.vstack([read.reshape(6, -1), variance]).T.tolist()  # as `State.held_ratio`
+    held_ratios, added_variances = [], []
+    readings = np.vstack([read.reshape(6, -1), variance]).T.tolist()  # as `State.held_ratio`
     resets, counts = (x.tolist() for x in flags)
-    for row, level, reset, count in zip(rows, levels.tolist(), resets, counts, strict=True):
+    for reading, level, reset, count in zip(readings, levels.tolist(), resets, counts, strict=True):
         s.age += c.block
         if reset:
-            s.held_ratio, grown = row, eq.reset_held(c, s, level, 1.0)
+            s.held_ratio, added_variance = reading, eq.reset_held(c, s, level, 1.0)
         else:
-            grown = eq.held_variance(c, s, level)
+            added_variance = eq.held_variance(c, s, level)
         if count and not reset:
-            middle, _, low, _, high, *_ = s.held_ratio
-            more = Z95 * math.sqrt(grown)
-            width = math.hypot(middle - low, more) + math.hypot(high - middle, more)
-            share = eq.share_of(c, row[4] - row[2], width)
+            ratio, more = s.held_ratio[_MEDIAN], Z95 * math.sqrt(added_variance)
+            below = math.hypot(ratio - s.held_ratio[_LOWER], more)
+            above = math.hypot(s.held_ratio[_UPPER] - ratio, more)
+            share = eq.share_of(c, reading[_UPPER] - reading[_LOWER], below + above)
             if share > 0.0:
-                pairs = zip(s.held_ratio, row, strict=True)
+                pairs = zip(s.held_ratio, reading, strict=True)
                 s.held_ratio = [(1.0 - share) * x + share * y for x, y in pairs]
-                grown = eq.reset_held(c, s, level, share)
-        ratios.append(s.held_ratio)
-        more_variance.append(grown)
-    out, added = np.array(ratios).T, np.array(more_variance)
-    return widened(out[:6].reshape(3, 2, -1), Z95 * np.sqrt(added)), out[6] + added
+                added_variance = eq.reset_held(c, s, level, share)
+        held_ratios.append(s.held_ratio)
+        added_variances.append(added_variance)
+    ratios, added = np.array(held_ratios).T, np.array(added_variances)
+    return widened(ratios[:6].reshape(3, 2, -1), Z95 * np.sqrt(added)), ratios[6] + added

@@ -84,8 +84,9 @@ class Validation(Viewable):
     def refused(self) -> dict[str, float]:
         """Share of the braked samples above 3 m/s that are not valid, by reason, if above 10 %."""
         counted = counted_samples(self.estimate)
-        shares = ((share(x, counted), why) for why, x in self.estimate.refused.items())
-        return {why: x for x, why in sorted(shares, reverse=True) if x > 0.1}
+        shares = {why: share(x, counted) for why, x in self.estimate.refused.items()}
+        reasons = sorted(shares, key=lambda why: (shares[why], why), reverse=True)
+        return {why: shares[why] for why in reasons if shares[why] > 0.1}
 
     @cached_property
     def baselines(self) -> dict[str, tuple[float, float]]:

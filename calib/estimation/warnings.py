@@ -50,9 +50,9 @@ _COUNT = 4096  # number of scenarios
 _MODEL_ERROR = 0.03  # relative error of eta - 1 by tyre curves, and by loads that follow late [1]
 _LEAST_ERROR = 5e-5  # least error of a mean of eta - 1 [1]
 _HINTS = {
-    *("level_changed", "pads_changed_apart", "unexplained_braking_force", "force_step"),
-    *("braking_force_missing", "unexplained_drag", "a_x_by_wheels", "v_of_wheels", "v_scale"),
-}
+    "level_changed", "pads_changed_apart", "unexplained_braking_force", "force_step",
+    "braking_force_missing", "unexplained_drag", "a_x_by_wheels", "v_of_wheels", "v_scale",
+}  # fmt: skip
 """Codes of warnings after which mistakes are compared."""
 _FEWEST = 20  # braked blocks from which on a delay of the wheels is estimated
 _LATE_SIGMA, _LATE = 4.0, 0.5 * DELAYS[0]
@@ -67,19 +67,20 @@ def warnings_of(e: Estimate, run: Run | None = None) -> tuple[PlausibilityWarnin
     log_run = run or e.run
     resistance = known_resistance(e.table)
     accelerometer = e.run.accelerometer(resistance, e.noise)
-    evidence = Evidence(log_run, accelerometer, brake_response(e.read, e.forces))
+    evidence = Evidence(log_run, accelerometer, brake_response(e.signals, e.forces))
     by_table = [Measured("axles_exchanged", axles_exchanged(e.table, e))]
     wheels = log_run.wheels
     if wheels is not None:
         expected = float(np.interp(wheels.z, e.table.paper.z, e.table.paper.eta)) - 1.0
         crossed = crossed_diagonal(wheels, expected)
         if crossed:
-            by_table.append(Measured("wheels_crossed", crossed.part, words={"found": crossed}))
+            words = {"found": crossed}  # the cause of the rule names the wheels in place of {found}
+            by_table.append(Measured("wheels_crossed", crossed.part, words=words))
     if e.valid.any():
         last = int(np.flatnonzero(e.valid)[-1])
-        ratio_change, low, high = e.best.step.change[:, last].tolist()
-        apart = ratio_change, (high - low) / (2.0 * Z95)
-        by_table += change_figures(_level_change(e, resistance, last), apart)
+        ratio, low, high = e.best.step.change[:, last].tolist()
+        ratio_change = ratio, (high - low) / (2.0 * Z95)
+        by_table += change_figures(_level_change(e, resistance, last), ratio_change)
     kinds = VOID, WARN
     warnings = (
         *warnings_on(evidence, VALIDATE, kinds),
@@ -107,7 +108,7 @@ def _has_force_without_pressure(evidence: Evidence) -> bool:
 
 
 def _is_late(e: Estimate) -> bool:
-    """Return whether eta has a part d g z/v with a delay d, as late wheels of an axle give."""
+    """Return whether eta has a part d g z/v: wheels logged late by d seem to be d g z faster."""
     b = e.run.blocks
     use = (np.maximum(b.p_f, b.p_r) > BITE) & (b.speed > MOVING)
     if np.count_nonzero(use) < _FEWEST or not b.lead_in.any():
@@ -124,7 +125,7 @@ def _mistakes(e: Estimate, resistance: Resistance, evidence: Evidence) -> Iterat
     """Yield mistakes that explain a stop better than other pads do, most probable first."""
     ramp_pads = e.table.calibration
     car = e.run.car.with_pads(ramp_pads.pad_friction_f.value, ramp_pads.pad_friction_r.value)
-    car = replace(car, motor_odds=max(car.motor_odds, LEAST_ODDS))
+    car = replace(car, motor_odds=max(car.motor_odds, LEAST_ODDS))  # even if the file says 0
     stop = prepare(e.run, resistance.effects, evidence.accelerometer)
     try:
         yield from measured(causes_of(car, [stop], other_road=True), beside_pads=False)
@@ -135,9 +136,9 @@ def _mistakes(e: Estimate, resistance: Resistance, evidence: Evidence) -> Iterat
 def _level_change(e: Estimate, resistance: Resistance, i: int) -> tuple[float, float]:
     """Return ln of the brake force over that of the ramp's pads [1] at sample ``i``, and sigma."""
     best = e.best
-    sigma_z = float(resistance.sigma_z(e.car, e.read.speed[i : i + 1])[0])
+    sigma_z = float(resistance.sigma_z(e.car, e.signals.speed[i : i + 1])[0])
     variance = float(best.step.noise[i] + best.step.accelerometer[i])
-    variance += (sigma_z / max(float(e.read.z[i]), 0.02)) ** 2
+    variance += (sigma_z / max(float(e.signals.z[i]), 0.02)) ** 2
     # without the error of the mass, so that another load shows
     variance += sum(x for part, x in e.table.budget.level.items() if part != "mass")
     log_level_of_ramp = level_and_ratio(e.table.vehicle, e.table.calibration).level
@@ -152,7 +153,7 @@ def axles_exchanged(table: Table, e: Estimate) -> float:
     # weights (25, k) of linear interpolation from `_Z` to z; eta - 1 of the scenarios (4096, k)
     weights = np.stack([np.interp(z, _Z, unit) for unit in np.eye(_Z.size)])
     predicted = _eta_rises(table) @ weights
-    zero = _ZEROED if e.read.lead_in.any() else _NOT_ZEROED
+    zero = _ZEROED if e.signals.lead_in.any() else _NOT_ZEROED
     covariance = np.diag(error**2) + zero**2  # the error of the zero is common to all
     whiten = np.linalg.cholesky(np.linalg.inv(covariance))
     as_given, exchanged = (

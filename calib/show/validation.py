@@ -99,7 +99,7 @@ def _rows(judged: Validated, results: Sequence[Validation], proof: str) -> list[
         reasons = [NO_HOLDOUT] if result.role == CALIBRATION else broken(result.judgements)
         rows += [(result.log, reason) for reason in reasons]
     if any(result.role == HOLDOUT for result in results):
-        has_unused_v = proof == NONE and any("v" in r.estimate.ran.log for r in results)
+        has_unused_v = proof == NONE and any("v" in r.estimate.corrected.log for r in results)
         rows.append(("checked against", _V_NOT_USED if has_unused_v else _PROOFS[proof]))
     if judged.how:
         rows.append(("as exported", str(judged.how)))

@@ -1,4 +1,4 @@
-"""Stops of one road with like pads, from stiffnesses that are made."""
+"""Agreement of stops on one road with like pads, from made-up stiffnesses of the tyres."""
 
 from dataclasses import replace
 
@@ -35,8 +35,8 @@ def stops(*stiffness, sigma=0.04, pads=(0.4, 0.36), level=1.0):
 
 
 def groups(results):
-    found = agreement(results)
-    return None if found is None else [road.stops for road in found.roads]
+    comparison = agreement(results)
+    return None if comparison is None else [road.stops for road in comparison.roads]
 
 
 def test_stops_of_different_stiffness_are_of_two_roads():
@@ -46,12 +46,13 @@ def test_stops_of_different_stiffness_are_of_two_roads():
 
 def test_stops_of_one_road_are_rarely_parted():
     rng = np.random.default_rng(3)
-    made = stops(0.0)[0]
+    validation = stops(0.0)[0]
     parted = 0
     for _ in range(300):
         values = rng.normal(0.0, 0.04, 4)
-        found = agreement([replace(made, estimate=on_road(made.estimate, x)) for x in values])
-        parted += found is None or len(found.roads) > 1
+        estimates = [on_road(validation.estimate, x) for x in values]
+        comparison = agreement([replace(validation, estimate=e) for e in estimates])
+        parted += comparison is None or len(comparison.roads) > 1
     assert parted < 0.08 * 300
 
 
@@ -72,8 +73,8 @@ def test_a_wet_stop_is_not_held_against_a_dry_one():
     dry, again = stops(0.0, 0.01, pads=(0.38, 0.36))
     (wet,) = stops(0.005, pads=(0.19, 0.18), level=0.5)
     assert groups([dry, wet]) is None
-    found = agreement([dry, wet, again])
-    assert (found.largest_departure_f, found.largest_departure_r) == (0.0, 0.0)
+    comparison = agreement([dry, wet, again])
+    assert (comparison.largest_departure_f, comparison.largest_departure_r) == (0.0, 0.0)
     # pads of one axle that stick, at a level that hardly tells
     (unlike,) = stops(0.005, pads=(0.38, 0.20), level=0.91)
     assert agreement([dry, unlike]).largest_departure_r == pytest.approx(0.08 / 0.28)

@@ -28,7 +28,7 @@ from tests.support.reference_car import (
     without,
 )
 
-(SURE,) = (x.high for x in RULES if (x.code, x.consequence) == ("axles_exchanged", VOID))
+(VOID_ODDS,) = (x.high for x in RULES if (x.code, x.consequence) == ("axles_exchanged", VOID))
 
 SOFT = replace(REAL, tyre=magic(15.0, 0.6))
 """The car on a road where its tyres are softer."""
@@ -55,10 +55,10 @@ def test_swapped_axles_leave_nothing_valid_with_a_reference_speed_and_without(fi
 
 def test_weak_front_pads_are_estimated(fitted):
     log = weak(REAL, 0.7)
-    (found,) = validate(fitted, [log])
-    assert found.figures["valid_share"] > 0.75
-    assert min(held(found.estimate, 0.7, 1.0, "change")) > 0.9
-    (warning,) = (w for w in found.warnings if w.code == "pads_changed_apart")
+    (result,) = validate(fitted, [log])
+    assert result.figures["valid_share"] > 0.75
+    assert min(held(result.estimate, 0.7, 1.0, "change")) > 0.9
+    (warning,) = (w for w in result.warnings if w.code == "pads_changed_apart")
     assert any("swapped" in cause for cause in warning.causes)
     verdicts = {v.purpose: v.usable for v in check(log).verdicts}
     assert verdicts["validate"]
@@ -66,7 +66,7 @@ def test_weak_front_pads_are_estimated(fitted):
 
 def test_where_eta_falls_as_far_as_with_swapped_axles_the_pads_are_not_refused(fitted):
     """Front pads at half their friction on a soft road; a sure answer would be a wrong one."""
-    assert odds(fitted, weak(SOFT, 0.5)) < SURE
+    assert odds(fitted, weak(SOFT, 0.5)) < VOID_ODDS
 
 
 @pytest.mark.parametrize(("front", "rear"), [(0.22, 0.37), (0.38, 0.28)])
@@ -97,8 +97,8 @@ NEAR = balanced(CAR, 0.42)
 def test_near_ideal_balance_a_stop_says_which_axle_is_which(near, z, logged):
     log = noisy(stop(replace(REAL, vehicle=NEAR), z * pressure_per_g(NEAR)), 5)
     log = log if logged == "with v" else without(log, "v")
-    assert odds(near, log) < -SURE
-    assert odds(near, swapped(log)) > SURE
+    assert odds(near, log) < -VOID_ODDS
+    assert odds(near, swapped(log)) > VOID_ODDS
 
 
 @pytest.fixture(scope="module")

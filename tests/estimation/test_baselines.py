@@ -23,12 +23,12 @@ def ideal():
 def test_a_law_that_is_unstable_has_no_error(fitted):
     """gamma u^2 dt = 8/s (p/20 bar)^2 dt is 2.45 at 70 bar and 40 Hz; no wheel locks."""
     log = stop(with_pads(REAL, 0.2, 0.2), 70e5, duration=6.0, rate=40.0)
-    (found,) = validate(fitted, [noisy(log, 2)])
-    assert {*METHODS} - {*found.baselines} == UNSTABLE
-    e = found.estimate
+    (result,) = validate(fitted, [noisy(log, 2)])
+    assert {*METHODS} - {*result.baselines} == UNSTABLE
+    e = result.estimate
     for name in UNSTABLE:
         assert np.isnan(METHODS[name](e)[0]).all()
-    assert np.mean(e.valid[e.braked & (e.read.speed > 5.0)]) > 0.5
+    assert np.mean(e.valid[e.braked & (e.signals.speed > 5.0)]) > 0.5
 
 
 def test_errors_are_against_truth_or_the_speed(fitted):
@@ -71,6 +71,6 @@ def test_the_law_is_right_on_the_car_that_the_paper_describes(ideal, pad):
     What is left is the table's: D(eta) from another tyre curve than the plant's, 4 % off.
     """
     e = estimate(ideal, stop(with_pads(IDEAL, pad, pad), 25e5))
-    last = int(np.flatnonzero(e.braked & (e.read.speed > 3.0))[-1])
-    found = [float(axle[last]) for axle in METHODS["gradient_paper"](e)]
-    assert found == pytest.approx((pad, pad), rel=0.02)
+    last = int(np.flatnonzero(e.braked & (e.signals.speed > 3.0))[-1])
+    pads = [float(axle[last]) for axle in METHODS["gradient_paper"](e)]
+    assert pads == pytest.approx((pad, pad), rel=0.02)

@@ -38,36 +38,36 @@ def median_sigma(e, axle):
     return widths[(widths.size - 1) // 2]
 
 
-def sums_agree(e):
-    for axle, made_of in zip((e.best.pads_f, e.best.pads_r), budget(e), strict=True):
-        assert math.hypot(*made_of.values()) == pytest.approx(median_sigma(e, axle), rel=1e-9)
-        assert all(sigma > 0.0 for sigma in made_of.values())
+def require_equal_sums(e):
+    for axle, parts in zip((e.best.pads_f, e.best.pads_r), budget(e), strict=True):
+        assert math.hypot(*parts.values()) == pytest.approx(median_sigma(e, axle), rel=1e-9)
+        assert all(sigma > 0.0 for sigma in parts.values())
 
 
 @pytest.mark.parametrize("name", ["dry", "wet", "patch", "without v"])
 def test_parts_add_up_to_the_interval(table, logs, name):
-    sums_agree(estimate(table, logs[name]))
+    require_equal_sums(estimate(table, logs[name]))
 
 
 def test_they_add_up_with_given_pads(table, logs):
-    given = replace(CAR, front=replace(CAR.front, pad_friction=0.4))
-    sums_agree(estimate(table, logs["wet"], given))
+    other_pads = replace(CAR, front=replace(CAR.front, pad_friction=0.4))
+    require_equal_sums(estimate(table, logs["wet"], other_pads))
 
 
 def test_where_nothing_is_braked_there_is_no_budget(table, logs):
     e = estimate(table, logs["dry"])
-    free = replace(e.read, p_f=0.0 * e.read.p_f, p_r=0.0 * e.read.p_r)
-    assert budget(replace(e, unfit=("not braked",), read=free)) is None
+    free = replace(e.signals, p_f=0.0 * e.signals.p_f, p_r=0.0 * e.signals.p_r)
+    assert budget(replace(e, unfit=("not braked",), signals=free)) is None
 
 
 def test_a_weighed_car_has_less_of_the_mass(table, logs):
     """What is left of that part is the resistance of another road, 0.0015 g."""
-    known = fit(replace(CAR, mass_tolerance=0.0), [noisy(ramp(REAL), 1)])
+    weighed_car = fit(replace(CAR, mass_tolerance=0.0), [noisy(ramp(REAL), 1)])
     for name in ("dry", "wet"):
-        weighed, open_ = (budget(estimate(x, logs[name])) for x in (known, table))
-        for axle_weighed, axle_open in zip(weighed, open_, strict=True):
-            assert axle_weighed["mass"] < 0.012
-            assert axle_open["mass"] == pytest.approx(0.03, rel=0.35)
+        budgets = [budget(estimate(x, logs[name])) for x in (weighed_car, table)]
+        for weighed, unweighed in zip(*budgets, strict=True):
+            assert weighed["mass"] < 0.012
+            assert unweighed["mass"] == pytest.approx(0.03, rel=0.35)
 
 
 @pytest.mark.parametrize(("plant", "scale"), [(IDEAL, 0.94), (REAL, 1.06)])

@@ -55,8 +55,8 @@ def control(free):
 
 @pytest.mark.parametrize(("front", "rear", "lasting"), [(200, 0, False), (60, 60, True)])
 def test_a_logged_motor_costs_nothing(control, front, rear, lasting):
-    found = judged(driven(regenerating(front, rear, lasting)))
-    for (inside, rms), (_, free_rms), allowed in zip(found, control, (0.015, 0.03), strict=True):
+    axles = judged(driven(regenerating(front, rear, lasting)))
+    for (inside, rms), (_, free_rms), allowed in zip(axles, control, (0.015, 0.03), strict=True):
         assert inside > 0.95
         assert rms < free_rms + allowed
 
@@ -65,7 +65,7 @@ def test_a_motor_on_the_lead_in_is_not_zeroed_away(free):
     """100 N m a wheel slip the front tyres by 0.3 %; the radii differ by 0.08 %."""
     table = fit(CAR, free[:2])
     log = noisy(stop(regenerating(100, 0, lasting=True)), 5)
-    found = estimate(table, log).zeros[0] - 1.0
+    zero = estimate(table, log).zeros[0] - 1.0
     # the front wheels turn slower by their larger share of the rolling resistance
-    assert found == pytest.approx(-0.0008, abs=2e-4)
+    assert zero == pytest.approx(-0.0008, abs=2e-4)
     assert estimate(table, without(log, *CHANNELS)).zeros[0] > 1.001

@@ -45,7 +45,7 @@ def result(fitted, wet):
 def columns(e, until=None):
     """Everything the estimator says of each sample, up to a time [s]."""
     stop = None if until is None else int(np.searchsorted(e.time, until))
-    out = {"z": e.read.z, "eta": e.eta, "valid": e.valid, "braked": e.braked}
+    out = {"z": e.signals.z, "eta": e.eta, "valid": e.valid, "braked": e.braked}
     out |= e.best.columns() | {f"force_{i}": force for i, force in enumerate(e.normalised)}
     for name, method in METHODS.items():
         front, rear = method(e)
@@ -53,7 +53,7 @@ def columns(e, until=None):
     return {name: np.asarray(x[:stop], float) for name, x in out.items()}
 
 
-def same(result, expected, tolerance):
+def require_equal(result, expected, tolerance):
     for name, x in result.items():
         y = expected[name]
         assert np.array_equal(np.isnan(x), np.isnan(y)), name
@@ -80,12 +80,12 @@ def truth_inside(e, log):
 @pytest.mark.parametrize("last", [1.75, 4.013])
 def test_the_future_changes_nothing(fitted, wet, result, last):
     early = estimate(fitted, cut(wet, 0.0, last))
-    same(columns(early), columns(result, early.time[-1] + 1e-9), 1e-12)
+    require_equal(columns(early), columns(result, early.time[-1] + 1e-9), 1e-12)
 
 
 def test_truth_is_never_read(fitted, wet, result):
     for truth in ({}, {name: np.full_like(x, 1e4) for name, x in wet.truth.items()}):
-        same(columns(estimate(fitted, replace(wet, truth=truth))), columns(result), 0.0)
+        require_equal(columns(estimate(fitted, replace(wet, truth=truth))), columns(result), 0.0)
 
 
 # Right, at any rate and without v.
@@ -96,11 +96,11 @@ def test_rates_agree(fitted, rate):
     """The same stop without noise; between the samples of the slow clock nothing is known."""
     slow, usual = (estimate(fitted, stop(WET, rate=r)) for r in (rate, 200.0))
     for a, b in ((slow.best.pads_f, usual.best.pads_f), (slow.best.pads_r, usual.best.pads_r)):
-        at = np.linspace(2.2, 6.5, 40)
-        mu_a = np.interp(at, slow.time, a.value)
-        mu_b = np.interp(at, usual.time, b.value)
+        times = np.linspace(2.2, 6.5, 40)
+        mu_a = np.interp(times, slow.time, a.value)
+        mu_b = np.interp(times, usual.time, b.value)
         assert np.max(np.abs(mu_a / mu_b - 1.0)) < 0.01
-        width = np.interp(at, usual.time, b.upper - b.lower)
+        width = np.interp(times, usual.time, b.upper - b.lower)
         assert np.all(np.abs(mu_a - mu_b) < 0.25 * width)
     assert np.mean(slow.valid) == pytest.approx(np.mean(usual.valid), abs=0.02)
 
@@ -119,13 +119,13 @@ def test_tyres_that_differ_by_axle_are_in_the_interval(ratio):
     Without v the interval of the rear pads is near the gate's: how much is valid is not promised.
     """
     plant = replace(REAL, rear_stiffness=ratio)
-    found = fit(CAR, [noisy(ramp(plant), 1)])
+    table = fit(CAR, [noisy(ramp(plant), 1)])
     clean = stop(with_pads(plant, 0.31, 0.27))
     log = noisy(clean, 0)
-    seeing, blind = estimate(found, log), estimate(found, without(log, "v"))
-    assert np.mean(seeing.valid) > 0.5
-    assert np.any(blind.valid)
-    for e in (seeing, blind):
+    with_v, without_v = estimate(table, log), estimate(table, without(log, "v"))
+    assert np.mean(with_v.valid) > 0.5
+    assert np.any(without_v.valid)
+    for e in (with_v, without_v):
         assert min(*held(e, 0.31, 0.27), *held(e, *CHANGED, "change")) >= 0.9
 
 
@@ -147,9 +147,10 @@ def test_without_v_it_works_and_promises_less(fitted, wet, result):
     assert np.mean(e.best.pads_f.value[e.valid]) == pytest.approx(0.31, rel=0.06)
     assert np.mean(np.concatenate(truth_inside(e, log))) > 0.85
     late = slice(-400, -200)
-    for blind, seeing in ((e.best.pads_f, result.best.pads_f), (e.best.pads_r, result.best.pads_r)):
-        widths = [np.mean((a.upper - a.lower)[late]) for a in (blind, seeing)]
-        assert widths[0] > widths[1]
+    for name in ("pads_f", "pads_r"):
+        answers = getattr(e.best, name), getattr(result.best, name)
+        without_v, with_v = (np.mean((x.upper - x.lower)[late]) for x in answers)
+        assert without_v > with_v
 
 
 def test_a_change_of_road_leaves_the_pads(fitted):
@@ -167,24 +168,24 @@ def test_dry_roads_are_left_alone(fitted):
     for a, axle in (("f", e.best.torque_f), ("r", e.best.torque_r)):
         true, mu = log.truth[f"true_Tb_{a}l"], log.truth[f"true_mu_pad_{a}"]
         scale = np.sqrt(np.mean(true[e.valid] ** 2))
-        own = np.sqrt(np.mean((axle.value - true)[e.valid] ** 2)) / scale
-        nominal = np.sqrt(np.mean((0.38 / mu - 1.0)[e.valid] ** 2))
-        assert own < nominal + 0.02
+        error = np.sqrt(np.mean((axle.value - true)[e.valid] ** 2)) / scale
+        nominal_error = np.sqrt(np.mean((0.38 / mu - 1.0)[e.valid] ** 2))
+        assert error < nominal_error + 0.02
 
 
 def test_a_small_ensemble_is_held_by_its_intervals():
     """Two cars that nobody tuned for, on roads and pads drawn at random."""
-    held, shares = [], []
+    is_inside, shares = [], []
     for number in range(2):
         case = plant_r.drawn(5, number)
         table = fit(case.vehicle, [case.ramp])
         for drawn in case.stops:
             e = estimate(table, drawn.log)
-            held += truth_inside(e, drawn.log)
+            is_inside += truth_inside(e, drawn.log)
             if drawn.surface != "tile":
-                counted = e.braked & (e.read.speed > 3.0)
+                counted = e.braked & (e.signals.speed > 3.0)
                 shares.append(np.mean(e.valid[counted]))
-    assert np.mean(np.concatenate(held)) >= 0.85
+    assert np.mean(np.concatenate(is_inside)) >= 0.85
     assert min(shares) >= 0.70
 
 
@@ -197,10 +198,10 @@ def test_settled_braking_is_valid_and_the_lead_in_is_not(result):
     assert np.all(
         result.valid[(result.time > 1.5 + Constants.settle + BLOCK) & (result.time < 2.2)]
     )
-    steady = (result.time > 2.2) & (result.read.speed > 4.0)
+    steady = (result.time > 2.2) & (result.signals.speed > 4.0)
     assert np.all(result.valid[steady])
-    assert np.min(result.read.speed) < 2.0
-    assert not np.any(result.valid[result.read.speed < 2.7])  # of the last whole block
+    assert np.min(result.signals.speed) < 2.0
+    assert not np.any(result.valid[result.signals.speed < 2.7])  # of the last whole block
 
 
 def test_steering_gate(fitted, wet):
@@ -211,7 +212,7 @@ def test_steering_gate(fitted, wet):
     assert np.all(e.valid[(e.time > 4.2) & (e.time < 6.0)])
 
 
-def bent(log, lateral, first, last):
+def with_bend(log, lateral, first, last):
     """The log with a bend of ``lateral`` v^2/R [m/s^2], left positive, between two times [s].
 
     The outer wheels run on a circle of R + b/2, the inner ones of R - b/2; the outer ones carry
@@ -231,12 +232,12 @@ def bent(log, lateral, first, last):
 
 def test_bend_gate(fitted, wet):
     """Half as much again as the gate is a bend; half of the gate is the way round a patch."""
-    e = estimate(fitted, bent(wet, -1.5 * Constants.lateral, 3.0, 4.0))
+    e = estimate(fitted, with_bend(wet, -1.5 * Constants.lateral, 3.0, 4.0))
     # the wheels are compared over 0.2 s: ln(3) of it until two thirds of the bend show
     assert not np.any(e.valid[(e.time > 3.0 + 0.3) & (e.time < 4.0)])
     assert np.mean(e.valid[(e.time > 2.3) & (e.time < 3.0)]) > 0.98
     assert np.mean(e.valid[(e.time > 4.4) & (e.time < 6.0)]) > 0.98
-    mild = estimate(fitted, bent(wet, -0.5 * Constants.lateral, 3.0, 4.0))
+    mild = estimate(fitted, with_bend(wet, -0.5 * Constants.lateral, 3.0, 4.0))
     assert np.mean(mild.valid[(e.time > 2.3) & (e.time < 6.0)]) > 0.98
 
 
@@ -269,8 +270,8 @@ def test_the_change_is_over_the_ramp_and_not_over_the_file(fitted, wet, result):
     e = estimate(fitted, wet, replace(CAR, **sides))
     late = e.valid & (e.time > 3.0)
     for name in ("change_f", "change_r"):
-        own, other = getattr(e.best, name).value, getattr(result.best, name).value
-        assert own[late] == pytest.approx(other[late], rel=0.02)
+        change, expected = getattr(e.best, name).value, getattr(result.best, name).value
+        assert change[late] == pytest.approx(expected[late], rel=0.02)
 
 
 # Tyres and brakes that act late.
@@ -302,8 +303,8 @@ def test_rear_pressure_that_is_held_is_estimated_where_wheel_pressures_are_logge
     def rear(t):
         return min(pedal(t), 8e5)
 
-    own = {"fl": pedal, "fr": pedal, "rl": rear, "rr": rear}
-    run = drive(REAL, pedal, 27.0, duration=9.0, stop_speed=1.5, wheel_pressure=own)
+    wheel_pressures = {"fl": pedal, "fr": pedal, "rl": rear, "rr": rear}
+    run = drive(REAL, pedal, 27.0, duration=9.0, stop_speed=1.5, wheel_pressure=wheel_pressures)
     (result,) = validate(fitted, [noisy(as_log(run, "held"), 1)])
     # the ECU has the pressure of the master cylinder alone, and is wrong
     failed = {judged.figure for judged in result.judgements if judged.verdict == "failed"}
@@ -334,6 +335,6 @@ def test_a_car_that_stands_at_the_end_changes_nothing(fitted, wet, result):
     still["time"] = moving.time[-1] + moving.sample_time * np.arange(1, 401)
     channels = {k: np.concatenate([x, still[k]]) for k, x in moving.channels.items()}
     e = estimate(fitted, replace(moving, channels=channels, truth={}))
-    same(columns(e, 8.99), columns(result, 8.99), 1e-12)
+    require_equal(columns(e, 8.99), columns(result, 8.99), 1e-12)
     assert not np.any(e.valid[e.time > 9.05])
     assert np.all(np.isfinite(e.eta))

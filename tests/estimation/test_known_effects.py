@@ -48,8 +48,8 @@ def logs(plant):
         drive(replace(plant, motor=always), lambda t: 0.0, 33.0, duration=10.0, stop_speed=8.0),
         drive(with_pads(plant, 0.31, 0.27), waving, 27.0, duration=9.0, stop_speed=2.0),
     )
-    made = [noisy(as_log(run, f"run_{i}"), 40 + i) for i, run in enumerate(runs)]
-    return [without(log, "T_drive_f", "T_drive_r") for log in made]
+    noisy_logs = [noisy(as_log(run, f"run_{i}"), 40 + i) for i, run in enumerate(runs)]
+    return [without(log, "T_drive_f", "T_drive_r") for log in noisy_logs]
 
 
 def errors(table, log):
@@ -57,15 +57,9 @@ def errors(table, log):
     the best estimate and of the ECU's (2, 2)."""
     e = estimate(table, log)
     counted = (log["p_mc"] > 2e5) & (log.time > 2.1) & (log["v"] > 4.0)
-    return np.array(
-        [
-            [
-                np.mean(np.log(x.value[counted] / log.truth[f"true_Tb_{axle}l"][counted]))
-                for axle, x in (("f", answer.torque_f), ("r", answer.torque_r))
-            ]
-            for answer in (e.best, e.ecu)
-        ]
-    )
+    true = np.stack([log.truth[f"true_Tb_{axle}l"] for axle in "fr"])
+    torques = np.array([[x.torque_f.value, x.torque_r.value] for x in (e.best, e.ecu)])
+    return np.mean(np.log(torques[..., counted] / true[:, counted]), axis=-1)
 
 
 @pytest.fixture(scope="module")
@@ -83,13 +77,13 @@ def test_a_known_effect_is_in_the_fit_and_out_of_the_estimate(name, plain):
     ramp, coast, stop = logs(replace(REAL, **truth))
     car = replace(CAR, effects=Effects({name: parameters}))
     table = fit(car, [ramp, coast])
-    told, untold = (
+    with_effect, without_effect = (
         errors(replace(table, vehicle=replace(table.vehicle, effects=effects)), stop) - plain
         for effects in (car.effects, Effects())
     )
-    assert np.abs(told).max() < 0.035
+    assert np.abs(with_effect).max() < 0.035
     if name != "engine_drag":
-        assert np.all(np.abs(told[:, 0]) < 0.5 * np.abs(untold[:, 0]))
+        assert np.all(np.abs(with_effect[:, 0]) < 0.5 * np.abs(without_effect[:, 0]))
 
 
 def test_an_ecu_does_not_know_the_temperature_of_the_discs():
@@ -110,11 +104,12 @@ def test_an_ecu_does_not_know_the_temperature_of_the_discs():
     discs = {f"T_disc_{axle}": degrees(log.time) for axle in "fr"}
     log = replace(log, channels={**without(log, "T_drive_f", "T_drive_r").channels, **discs})
     table = fit(CAR, [ramp, coast])
-    knows = replace(table, vehicle=replace(CAR, effects=Effects({"pad_thermal_fade": heat})))
-    told, untold = estimate(knows, log), estimate(table, log)
+    fading_car = replace(CAR, effects=Effects({"pad_thermal_fade": heat}))
+    with_fade = estimate(replace(table, vehicle=fading_car), log)
+    without_fade = estimate(table, log)
     late = (log.time > 4.0) & (log["v"] > 4.0)
-    assert np.abs(told.best.pads_f.value[late] / 0.31 - 1.0).max() < 0.06
-    assert np.array_equal(told.ecu.torque_f.value, untold.ecu.torque_f.value)
-    assert not np.array_equal(told.best.torque_f.value, untold.best.torque_f.value)
-    found = told.ecu.pads_f.value[late] / 0.31
-    assert np.abs(found - 1.0).max() < 0.06  # told without the fade, as the best ones are
+    assert np.abs(with_fade.best.pads_f.value[late] / 0.31 - 1.0).max() < 0.06
+    assert np.array_equal(with_fade.ecu.torque_f.value, without_fade.ecu.torque_f.value)
+    assert not np.array_equal(with_fade.best.torque_f.value, without_fade.best.torque_f.value)
+    ratio = with_fade.ecu.pads_f.value[late] / 0.31
+    assert np.abs(ratio - 1.0).max() < 0.06  # told without the fade, as the best ones are

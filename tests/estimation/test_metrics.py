@@ -40,49 +40,40 @@ def readout(mu_f=0.40, mu_r=0.36, *, pressure=20e5, sigma=SIGMA, valid=None, inn
     torque_f, torque_r = mu_f * GAIN_F * pressure, mu_r * GAIN_R * pressure
     level = (torque_f + torque_r) / (0.38 * (GAIN_F + GAIN_R) * pressure)
     reason = np.full(N, Reason.VALID) if valid is None else np.where(valid, 0, Reason.SLOW)
-    named = {
+    bounded_values = {
         "level": level, "pads_f": mu_f, "pads_r": mu_r, "change_f": mu_f / 0.38,
         "change_r": mu_r / 0.38, "torque_f": torque_f, "torque_r": torque_r,
         "torque_sum": 2.0 * (torque_f + torque_r), "ratio": np.divide(mu_f, mu_r),
     }  # fmt: skip
-    rest = {"innovation": np.zeros(N) if innovation is None else np.repeat(innovation, N // 100)}
-    rest["ratio"] = np.log(np.broadcast_to(named["ratio"], (3, N)))
-    rest |= {"zero_eta": np.ones(N), "reason": reason}
+    answer = {"innovation": np.zeros(N) if innovation is None else np.repeat(innovation, N // 100)}
+    answer["ratio"] = np.log(np.broadcast_to(bounded_values["ratio"], (3, N)))
+    answer |= {"zero_eta": np.ones(N), "reason": reason}
     return Readout(
         inputs=None,
-        step=Answer(**dict.fromkeys(Answer._fields, np.zeros(N)) | rest),
-        **{k: bounded(x, sigma) for k, x in named.items()},
+        step=Answer(**dict.fromkeys(Answer._fields, np.zeros(N)) | answer),
+        **{k: bounded(x, sigma) for k, x in bounded_values.items()},
     )
 
 
-def made_estimate(
-    mu_f=0.40,
-    mu_r=0.36,
-    *,
-    pressure=20e5,
-    valid=None,
-    innovation=None,
-    force=0.1,
-    speed=None,
-    **changed,
-):
+def made_estimate(mu_f=0.40, mu_r=0.36, *, pressure=20e5, valid=None, innovation=None, force=0.1,
+                  speed=None, **changed):  # fmt: skip
     """5 s of braking at 0.3 g and 20 m/s; blocks of 50 ms, all braked."""
     blocks = 100
-    one, flat = np.ones(blocks), np.ones(N)
+    ones, flat = np.ones(blocks), np.ones(N)
     noise = np.random.default_rng(0).standard_normal(blocks) if innovation is None else innovation
     best = readout(mu_f, mu_r, pressure=pressure, valid=valid, innovation=noise)
     load = 2.0 * best.torque_f.value / CAR.front.rolling_radius / force
     means = Blocks(
-        end=TIME[9::10], p_f=one, p_r=one, drive_f=one, drive_r=one, z=one,
-        omega_f=one, omega_r=one, v=None, speed=20.0 * one, spin_f=one, spin_r=one,
-        lead_in=one < 0.0, samples=10, length=0.05,
+        end=TIME[9::10], p_f=ones, p_r=ones, drive_f=ones, drive_r=ones, z=ones,
+        omega_f=ones, omega_r=ones, v=None, speed=20.0 * ones, spin_f=ones, spin_r=ones,
+        lead_in=ones < 0.0, samples=10, length=0.05,
     )  # fmt: skip
     values = {
         "table": made_table(),
         "car": CAR,
         "run": SimpleNamespace(blocks=means),
-        "ran": SimpleNamespace(factor_f=1.0, factor_r=1.0, log=BLIND),
-        "read": Signals(
+        "corrected": SimpleNamespace(factor_f=1.0, factor_r=1.0, log=BLIND),
+        "signals": Signals(
             time=TIME, p_f=pressure * flat, p_r=pressure * flat, drive_f=0.0 * flat,
             drive_r=0.0 * flat, z=0.3 * flat, omega_f=flat, omega_r=flat, v=None,
             speed=20.0 * flat if speed is None else speed, lead_in=flat < 0.0, sample_time=0.005,
@@ -116,7 +107,7 @@ def truth_log(mu_f=0.40, mu_r=0.36, *, pressure=20e5, pads=True):
 
 def read_from(estimate, log):
     """The estimate as if it came of this log."""
-    return replace(estimate, ran=SimpleNamespace(factor_f=1.0, factor_r=1.0, log=log))
+    return replace(estimate, corrected=SimpleNamespace(factor_f=1.0, factor_r=1.0, log=log))
 
 
 def scored(estimate, log=None):
@@ -144,8 +135,8 @@ def test_a_perfect_estimate():
         assert figures[f"interval_{side}"] == pytest.approx(WIDTH)
         assert figures[f"ecu_interval_{side}"] == pytest.approx(WIDTH)
         assert figures[f"ecu_normalised_error_{side}"] == pytest.approx(0.0, abs=1e-9)
-    known = {name for name, value in figures.items() if value is not None}
-    assert set(METRICS) - known == {"ecu_reference_f", "ecu_reference_r"}
+    names = {name for name, value in figures.items() if value is not None}
+    assert set(METRICS) - names == {"ecu_reference_f", "ecu_reference_r"}
 
 
 def test_errors_are_relative_and_by_axle():
@@ -239,8 +230,8 @@ def test_errors_of_the_ecu_over_their_sigma():
     assert figures["ecu_normalised_error_r"] == pytest.approx(0.05 / SIGMA / np.sqrt(2))
     assert figures["ecu_torque_error_f"] == pytest.approx(np.expm1(0.03) / np.sqrt(2))
     assert figures["ecu_torque_error_r"] == pytest.approx(-np.expm1(-0.05) / np.sqrt(2))
-    both = 0.40 * GAIN_F + 0.36 * GAIN_R
-    total = (0.40 * GAIN_F * np.exp(0.03) + 0.36 * GAIN_R * np.exp(-0.05)) / both
+    true_sum = 0.40 * GAIN_F + 0.36 * GAIN_R
+    total = (0.40 * GAIN_F * np.exp(0.03) + 0.36 * GAIN_R * np.exp(-0.05)) / true_sum
     assert figures["ecu_level_error"] == pytest.approx(abs(total - 1.0) / np.sqrt(2))
     assert figures["ecu_normalised_error_level"] == pytest.approx(
         abs(np.log(total)) / SIGMA / np.sqrt(2)

@@ -16,17 +16,13 @@ from tests.support.reference_car import CAR, REAL, WET, noisy, stop, without
 PADS = 0.35, 0.32
 EFFECTS = {
     "accelerometer_lag": {"filter_time": 0.12, "filter_bend": 0.0},
-    "pitch_coupling": {
-        "elastic_share": 0.4,
-        "natural_frequency": 8.2,
-        "damping": 0.3,
-        "pitch_gradient": 0.03,
-    },
+    "pitch_coupling": {"elastic_share": 0.4, "natural_frequency": 8.2, "damping": 0.3,
+                       "pitch_gradient": 0.03},
     "hydraulic_delay": {"delay": 0.08},
-}
+}  # fmt: skip
 
 
-def read(log, **channels):
+def with_channels(log, **channels):
     return replace(log, channels=log.channels | channels)
 
 
@@ -37,16 +33,14 @@ def test_sensors_are_judged_as_they_read_not_behind_known_effects(fitted, effect
     rough = log["a_x"] + np.random.default_rng(1).normal(0.0, 0.3, log.time.size)
     glitch = np.where(np.arange(log.time.size) % 397 == 300, 300e5, log["p_mc"])
     frozen = np.where(log.time < log.time[0] + 1.0, log["a_x"], log["a_x"][0])
-    fine, rough, frozen, glitch = (
-        estimate(fitted, changed, car)
-        for changed in (log, read(log, a_x=rough), read(log, a_x=frozen), read(log, p_mc=glitch))
-    )
+    channels = {}, {"a_x": rough}, {"a_x": frozen}, {"p_mc": glitch}
+    fine, rough, frozen, glitch = (estimate(fitted, with_channels(log, **x), car) for x in channels)
     assert not np.any(rough.ecu.step.reason == Reason.FAULT)
     assert not np.any(frozen.ecu.valid)
-    both = fine.ecu.valid & glitch.ecu.valid
-    assert both.sum() > 100
+    is_valid = fine.ecu.valid & glitch.ecu.valid
+    assert is_valid.sum() > 100
     for x, y in ((fine.ecu.pads_f, glitch.ecu.pads_f), (fine.ecu.torque_f, glitch.ecu.torque_f)):
-        assert y.value[both] == pytest.approx(x.value[both], rel=0.05)
+        assert y.value[is_valid] == pytest.approx(x.value[is_valid], rel=0.05)
 
 
 @pytest.mark.parametrize("left_out", [(), ("v",)])
@@ -54,14 +48,14 @@ def test_sensors_are_judged_as_they_read_not_behind_known_effects(fitted, effect
 def test_behind_a_gap_of_the_log_the_pads_are_within_their_bounds(fitted, gap, left_out):
     log = without(noisy(stop(replace(REAL, pads=lambda t: PADS)), 6), *left_out)
     start = log.time[np.argmax(log["p_mc"] > 10e5)] + 0.6
-    kept = (log.time < start) | (log.time > start + gap)
-    channels = {name: x[kept] for name, x in log.channels.items()}
-    truth = {name: x[kept] for name, x in log.truth.items()}
-    (found,) = validate(fitted, [replace(log, channels=channels, truth=truth)])
-    assert found.passed
-    assert {warning.code for warning in found.all_warnings} <= {"clock_gaps", "level_changed"}
-    e = found.estimate
-    assert np.array_equal(e.time, log.time[kept])
+    is_logged = (log.time < start) | (log.time > start + gap)
+    channels = {name: x[is_logged] for name, x in log.channels.items()}
+    truth = {name: x[is_logged] for name, x in log.truth.items()}
+    (result,) = validate(fitted, [replace(log, channels=channels, truth=truth)])
+    assert result.passed
+    assert {warning.code for warning in result.all_warnings} <= {"clock_gaps", "level_changed"}
+    e = result.estimate
+    assert np.array_equal(e.time, log.time[is_logged])
     for answer in (e.ecu, e.best):
         late = answer.valid & (e.time > start + gap)
         assert late.sum() > 100
@@ -74,7 +68,8 @@ def test_a_value_that_is_held_for_a_tenth_of_a_second_is_no_fault(fitted):
     log = noisy(stop(WET), 5)
     for hold in (19, 20, 21, 25):
         slow = log["a_x"][np.arange(log.time.size) // hold * hold]
-        assert not np.any(estimate(fitted, read(log, a_x=slow)).ecu.step.reason == Reason.FAULT)
+        e = estimate(fitted, with_channels(log, a_x=slow))
+        assert not np.any(e.ecu.step.reason == Reason.FAULT)
 
 
 def test_no_usual_clock_is_where_the_length_of_a_block_turns_over():

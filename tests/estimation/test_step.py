@@ -26,28 +26,18 @@ SHIFT = 0.004
 def before_eta():
     """A level that is known to +-0.02, a ratio that is known to +-1 only."""
     z = np.array([0.1, 0.8])
-    zero, one = np.zeros(2), np.ones(2)
-    return LevelMap(z, zero, -0.02 * one, 0.02 * one, *2 * (zero, -one, one))
+    zeros, ones = np.zeros(2), np.ones(2)
+    return LevelMap(z, zeros, -0.02 * ones, 0.02 * ones, *2 * (zeros, -ones, ones))
 
 
 def constants(**changed):
-    return Constants(
-        **{
-            "pads": Reader(made_map(), PADS),
-            "slip": Reader(made_map(), SLIP),
-            "level": Reader(before_eta(), LEVEL),
-            "prior": Reader(before_eta(), PADS),
-            "noise_rim": 3e-4,
-            "noise_z": 1e-4,
-            "noise_v": 1e-3,
-            "radii": 0.0,
-            "late": 0.0,
-            "late_sigma": 1e-3,
-            "ramp_ratio": 0.0,
-            "block": DT,
-            **changed,
-        }
-    )
+    values = {
+        "pads": Reader(made_map(), PADS), "slip": Reader(made_map(), SLIP),
+        "level": Reader(before_eta(), LEVEL), "prior": Reader(before_eta(), PADS),
+        "noise_rim": 3e-4, "noise_z": 1e-4, "noise_v": 1e-3, "radii": 0.0,
+        "late": 0.0, "late_sigma": 1e-3, "ramp_ratio": 0.0, "block": DT,
+    }  # fmt: skip
+    return Constants(**(values | changed))
 
 
 def stop(level=0.8, *, lag=1e-3, zero=0.012, wheels=0.998, rolling=1.5, apart=0.0, with_v=True,
@@ -85,11 +75,11 @@ def run(blocks, c=None, state=None):
 
 
 def test_a_map_is_read_between_its_cells():
-    made = made_map()
+    table_map = made_map()
     rng = np.random.default_rng(3)
-    axes = tuple(made.axes.values())
+    axes = tuple(table_map.axes.values())
     points = rng.uniform([x[0] for x in axes], [x[-1] for x in axes], (50, len(axes)))
-    ratio, log_slip = Reader(made, ("ratio", "log_slip"))(*points.T)
+    ratio, log_slip = Reader(table_map, ("ratio", "log_slip"))(*points.T)
     z, shift, slip = points.T
     assert ratio == pytest.approx(A + B_Z * z + B_SHIFT * shift + B_SLIP * slip)
     assert log_slip == pytest.approx(z - 3.0 - shift)
@@ -118,10 +108,10 @@ def test_a_reading_is_taken_in_as_the_textbook_has_it():
 def test_all_blocks_at_once_are_each_by_itself():
     """To the last bit: one code for an ECU and for a log."""
     blocks = [*stop(0.5), *stop(1.0, rolling=2.0, apart=0.5)]
-    one_by_one, _ = run(blocks)
+    answers, _ = run(blocks)
     for name, together in run_all(constants(), Sample(*np.array(blocks).T))._asdict().items():
-        apart = np.stack([getattr(one, name) for one in one_by_one], axis=-1)
-        assert np.array_equal(together, apart, equal_nan=True), name
+        by_step = np.stack([getattr(answer, name) for answer in answers], axis=-1)
+        assert np.array_equal(together, by_step, equal_nan=True), name
 
 
 @pytest.mark.parametrize("level", [0.5, 0.8, 1.2])
@@ -165,19 +155,20 @@ def test_the_error_of_eta_holds_a_body_that_pitches():
         for x in ("elastic_share", "natural_frequency", "damping")
     )
     squares = []
-    for held, rise, front, height, *mode in zip(
+    for last_z, rise, front, height, *mode in zip(
         rng.uniform(0.15, 0.6, n), rng.uniform(0.2, 0.6, n), rng.uniform(0.5, 0.62, n),
         rng.uniform(0.18, 0.27, n), share, omega, damping, strict=True,
     ):  # fmt: skip
-        z = held * np.minimum(time / rise, 1.0)
+        z = last_z * np.minimum(time / rise, 1.0)
         load = front + height * z
         late = mode[0] * height * (z - second_order(time, z, mode[1], mode[2]))
-        off = z * late / (load * (1.0 - load))  # over the slip per z
+        eta_error = z * late / (load * (1.0 - load))  # over the slip per z
         keep = np.exp(-(time[-1] - time) / 0.3)
         for end in (50, 90, 130):
             weight = keep[:end] / keep[:end].sum()
             mean = weight @ z[:end]
-            squares.append((weight @ off[:end]) ** 2 / (weight @ z[:end] ** 2 - mean**2) / mean**2)
+            variance = weight @ z[:end] ** 2 - mean**2
+            squares.append((weight @ eta_error[:end]) ** 2 / variance / mean**2)
     assert 0.25 < np.mean(squares) / Constants.unsteady < 4.0
 
 
@@ -199,10 +190,10 @@ def test_a_second_stop_starts_anew():
     """Wet pads first, dry ones then: the first stop is forgotten, the zeros are not."""
     _, s = run(stop(0.5))
     answers, _ = run(stop(1.0, rolling=2.0), state=s)
-    settled = [a for a in answers if a.reason == Reason.VALID]
-    assert settled[0].level[0] == pytest.approx(0.0, abs=0.03)
-    assert settled[-1].level[0] == pytest.approx(0.0, abs=0.01)
-    assert settled[-1].ratio[0] == pytest.approx(A + B_Z * 0.4 + B_SHIFT * SHIFT, abs=0.03)
+    valid = [a for a in answers if a.reason == Reason.VALID]
+    assert valid[0].level[0] == pytest.approx(0.0, abs=0.03)
+    assert valid[-1].level[0] == pytest.approx(0.0, abs=0.01)
+    assert valid[-1].ratio[0] == pytest.approx(A + B_Z * 0.4 + B_SHIFT * SHIFT, abs=0.03)
 
 
 def test_zeros_follow_what_drifts_until_the_bite():

@@ -38,7 +38,7 @@ def passed(fitted, wet):
 MASS = MassUsed(1744.0, 0.03, False)
 
 
-def made(name="a", mu_f=0.4, mu_r=0.36, judgements=(), **figures):
+def made_validation(name="a", mu_f=0.4, mu_r=0.36, judgements=(), **figures):
     estimate = on_road(made_estimate(), 0.0)
     values = dict.fromkeys(METRICS) | {"pad_friction_f": mu_f, "pad_friction_r": mu_r} | figures
     return Validation(name, "ab" * 32, "hold-out", estimate, values, tuple(judgements), MASS)
@@ -68,9 +68,9 @@ def test_a_copy_of_the_ramp_is_no_hold_out(fitted):
     channels = {name: np.round(x[rows], 2) for name, x in run.channels.items()}
     channels["time"] = run.time[rows]
     copy = replace(run, channels=channels, truth={}, digest="ab" * 32)
-    (found,) = validate(fitted, [copy])
-    assert found.role == "calibration"
-    assert not found.passed
+    (result,) = validate(fitted, [copy])
+    assert result.role == "calibration"
+    assert not result.passed
 
 
 def swapped_wheels(log, a, b):
@@ -82,25 +82,25 @@ def swapped_wheels(log, a, b):
 
 def test_wheels_of_a_diagonal_in_the_wrong_columns_leave_no_valid_sample(fitted):
     dry = noisy(stop(REAL), 5)
-    (found,) = validate(fitted, [swapped_wheels(dry, "fr", "rl")])
-    assert not found.estimate.valid.any()
-    (warning,) = (one for one in found.warnings if one.code == "wheels_crossed")
+    (result,) = validate(fitted, [swapped_wheels(dry, "fr", "rl")])
+    assert not result.estimate.valid.any()
+    (warning,) = (warning for warning in result.warnings if warning.code == "wheels_crossed")
     assert "omega_fr and omega_rl have changed places" in warning.text
-    assert warning.causes[0] in found.refused
+    assert warning.causes[0] in result.refused
 
 
 def test_without_truth_and_v_nothing_is_proved(fitted, wet, passed):
-    (nothing,) = validate(fitted, [without(replace(wet, truth={}), "v")])
-    assert nothing.passed
-    assert nothing.proof == "none"
-    assert nothing.word not in ("passed", "failed")
-    known = [j.figure for j in nothing.judgements if j.verdict != "not known"]
-    assert known == ["valid_share", "covered_share", "ecu_valid_share"]
+    (unproved,) = validate(fitted, [without(replace(wet, truth={}), "v")])
+    assert unproved.passed
+    assert unproved.proof == "none"
+    assert unproved.word not in ("passed", "failed")
+    judged = [j.figure for j in unproved.judgements if j.verdict != "not known"]
+    assert judged == ["valid_share", "covered_share", "ecu_valid_share"]
     stored = stored_as("sedan@1")
-    assert to_dict(stored, [nothing])["proof"] == "none"
-    both = to_dict(stored, [nothing, passed])
-    assert both["proof"] == "truth"
-    assert [log["proof"] for log in both["logs"]] == ["none", "truth"]
+    assert to_dict(stored, [unproved])["proof"] == "none"
+    summary = to_dict(stored, [unproved, passed])
+    assert summary["proof"] == "truth"
+    assert [log["proof"] for log in summary["logs"]] == ["none", "truth"]
     calibration = replace(passed, role="calibration")
     assert (calibration.proof, calibration.word) == ("none", "failed")
 
@@ -108,27 +108,31 @@ def test_without_truth_and_v_nothing_is_proved(fitted, wet, passed):
 def test_a_map_that_is_wrong_fails_with_truth_and_with_v(fitted, wet, passed):
     """The ratio of an ECU's pads half as large again; the best estimate has the right map."""
 
-    def off(of):
+    def with_other_ratio(maps):
         ratio = ("ratio", "ratio_lower", "ratio_upper")
-        return replace(of, **{name: getattr(of, name) + 0.5 for name in ratio})
+        return replace(maps, **{name: getattr(maps, name) + 0.5 for name in ratio})
 
-    wrong = replace(fitted, map=off(fitted.map), level_map=off(fitted.level_map))
-    told, blind = validate(fitted, [wet, replace(wet, truth={})], exported=wrong)
-    assert told.figures["pad_friction_r"] == passed.figures["pad_friction_r"]
-    for result, metric in ((told, "ecu_normalised_error_r"), (blind, "ecu_reference_r")):
+    maps = {name: with_other_ratio(getattr(fitted, name)) for name in ("map", "level_map")}
+    wrong = replace(fitted, **maps)
+    with_truth, without_truth = validate(fitted, [wet, replace(wet, truth={})], exported=wrong)
+    assert with_truth.figures["pad_friction_r"] == passed.figures["pad_friction_r"]
+    for result, metric in (
+        (with_truth, "ecu_normalised_error_r"),
+        (without_truth, "ecu_reference_r"),
+    ):
         assert not result.passed
         assert metric in [j.figure for j in result.judgements if j.verdict == "failed"]
     # the level is known without the map of the ratio
-    assert told.figures["ecu_normalised_error_level"] < 2.0
+    assert with_truth.figures["ecu_normalised_error_level"] < 2.0
 
 
 def test_a_table_in_single_precision_is_as_good_as_the_whole_one(fitted, wet, passed):
-    how = Precision(single=True)
-    (single,) = validate(fitted, [wet], exported=as_exported(fitted, how))
+    precision = Precision(single=True)
+    (single,) = validate(fitted, [wet], exported=as_exported(fitted, precision))
     for name in ("ecu_pad_friction_f", "ecu_pad_friction_r", "ecu_pad_level"):
         assert single.figures[name] == pytest.approx(passed.figures[name], rel=1e-4)
-    told = to_dict(stored_as("t@1"), [single], how)["exported"]
-    assert told == {"points": None, "bits": None, "single": True, "code": False}
+    exported = to_dict(stored_as("t@1"), [single], precision)["exported"]
+    assert exported == {"points": None, "bits": None, "single": True, "code": False}
 
 
 def test_braking_too_soft_to_judge_does_not_pass(fitted):

@@ -42,8 +42,8 @@ def test_a_clean_stop_is_not_warned_about(fitted, clean):
 )
 def test_a_wrong_a_x_is_named_and_measured(fitted, clean, scale, offset, code, within):
     log = misread(noisy(clean, 0), scale, offset)
-    found = warnings_of(estimate(fitted, log))
-    (warning,) = [warning for warning in found if warning.code == code]
+    warnings = warnings_of(estimate(fitted, log))
+    (warning,) = [warning for warning in warnings if warning.code == code]
     assert warning.measured == pytest.approx(scale - 1.0 + offset, abs=within)
 
 
@@ -59,8 +59,8 @@ def test_wheel_speeds_of_an_axle_that_are_late_are_named_first(fitted, clean, ax
 
 def test_pads_wet_on_one_axle_are_named(fitted):
     log = noisy(stop(with_pads(REAL, 0.22, 0.38)), 3)
-    found = warnings_of(estimate(fitted, log))
-    (warning,) = [warning for warning in found if warning.code == "pads_changed_apart"]
+    warnings = warnings_of(estimate(fitted, log))
+    (warning,) = [warning for warning in warnings if warning.code == "pads_changed_apart"]
     assert warning.measured == pytest.approx(0.22 / 0.38 - 1.0, rel=0.3)
 
 
@@ -87,9 +87,9 @@ def test_passengers_in_the_stops_only_are_named_first(fitted, pressure, logged):
     """Most of their weight is on the rear axle: its pads seem to have lost more."""
     log = noisy(stop(with_passengers(225.0), pressure), 7)
     log = log if logged == "with v" else without(log, "v")
-    found = warnings_of(estimate(fitted, log))
-    assert "level_changed" in [warning.code for warning in found]
-    for warning in found:
+    warnings = warnings_of(estimate(fitted, log))
+    assert "level_changed" in [warning.code for warning in warnings]
+    for warning in warnings:
         assert "load" in warning.causes[0]
         assert "--mass" in warning.do
 
@@ -106,22 +106,22 @@ def test_a_strong_motor_that_is_not_logged_leaves_nothing_valid(fitted):
     run = as_log(drive(replace(REAL, motor=motor), pedal, 27.0, duration=9.0, stop_speed=1.5), "m")
     silent = replace(run, channels={k: x for k, x in run.channels.items() if k[:2] != "T_"})
     (result,) = validate(fitted, [noisy(silent, 1)])
-    (found,) = [one for one in result.warnings if one.code == "unexplained_braking_force"]
+    (warning,) = [x for x in result.warnings if x.code == "unexplained_braking_force"]
     force = 400.0 / CAR.rear.rolling_radius
     usual = float(np.median(-silent["a_x"][600:1200])) * CAR.mass
-    assert found.measured == pytest.approx(force / usual, rel=0.35)
+    assert warning.measured == pytest.approx(force / usual, rel=0.35)
     assert not result.passed
     assert result.figures["valid_share"] == 0.0
-    (told,) = validate(fitted, [noisy(run, 1)])  # with T_drive
-    assert told.figures["valid_share"] > 0.6
-    assert not [one for one in told.warnings if one.code == "unexplained_braking_force"]
+    (logged,) = validate(fitted, [noisy(run, 1)])  # with T_drive
+    assert logged.figures["valid_share"] > 0.6
+    assert not [x for x in logged.warnings if x.code == "unexplained_braking_force"]
 
 
 def test_the_summary_holds_the_warnings_with_their_log(fitted, clean):
     log = replace(misread(noisy(clean, 0), 1.08), name="wrong")
     results = validate(fitted, [replace(noisy(clean, 1), name="right"), log], CAR)
     warnings = to_dict(stored_as("sedan@1"), results)["warnings"]
-    assert {one["log"] for one in warnings} == {"wrong"}
-    (found,) = (one for one in warnings if one["code"] == "a_x_scale")
-    assert set(found) == {"code", "log", "measured", "expected", "causes", "do"}
-    assert list(found["expected"]) == [-0.03, 0.03]
+    assert {x["log"] for x in warnings} == {"wrong"}
+    (warning,) = (x for x in warnings if x["code"] == "a_x_scale")
+    assert set(warning) == {"code", "log", "measured", "expected", "causes", "do"}
+    assert list(warning["expected"]) == [-0.03, 0.03]

@@ -34,10 +34,10 @@ def braking():
 
 @pytest.mark.parametrize("drift", [0.0, 1e-3])
 def test_tyres_that_warm_up_move_no_pads(table, braking, drift):
-    found = estimate(table, noisy(rolled(braking, ROLLING, drift), 4))
-    assert found.zeros[0] == pytest.approx((1.0 + drift) * RADII, abs=1.5e-4)
-    assert held(found, *PADS)[1] > 0.95
-    assert np.mean(found.best.pads_r.value, where=found.valid) == pytest.approx(PADS[1], rel=0.05)
+    result = estimate(table, noisy(rolled(braking, ROLLING, drift), 4))
+    assert result.zeros[0] == pytest.approx((1.0 + drift) * RADII, abs=1.5e-4)
+    assert held(result, *PADS)[1] > 0.95
+    assert np.mean(result.best.pads_r.value, where=result.valid) == pytest.approx(PADS[1], rel=0.05)
 
 
 def test_a_ramp_is_zeroed_where_it_bites():

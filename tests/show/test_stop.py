@@ -20,7 +20,7 @@ def drawn(sedan, transition, stopped):
 def test_pad_friction_with_interval_over_that_of_the_ramp(sedan, drawn, stopped):
     e, pads = stopped.estimate, panel(drawn, "pads")
     then = sedan.calibration
-    bar = np.maximum(e.read.p_f, 0.0)
+    bar = np.maximum(e.signals.p_f, 0.0)
     for label, best, ramp in (
         (FRONT, e.ecu.pads_f, then.pad_friction_f.value),
         (REAR, e.ecu.pads_r, then.pad_friction_r.value),

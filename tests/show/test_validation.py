@@ -5,7 +5,7 @@ import pytest
 from calib.estimation.limits import Judgement
 from calib.show.facts import FAILED, PASSED
 from calib.show.validation import Validated, validation_facts
-from tests.estimation.test_validate import made
+from tests.estimation.test_validate import made_validation
 from tests.support.tables import stored_as
 
 ECU = {
@@ -30,7 +30,7 @@ def beside(found):
 
 
 def test_the_ecu_stands_first_and_every_row_names_its_stop():
-    stop = made("wet", 0.30, 0.39, **ECU, **BEST, **TRUTH, ecu_normalised_error_f=1.0)
+    stop = made_validation("wet", 0.30, 0.39, **ECU, **BEST, **TRUTH, ecu_normalised_error_f=1.0)
     found, e = told(stop), stop.estimate
     (row,), table = found.tables[0].rows, beside(found)
     valid = e.ecu.valid
@@ -48,7 +48,7 @@ def test_the_ecu_stands_first_and_every_row_names_its_stop():
 @pytest.mark.parametrize("ecu", [{"ecu_valid_share": 0.0}, ECU])
 def test_without_an_answer_there_is_no_number(ecu):
     """Nor of an ECU beside a stop of which no sample counts."""
-    found = told(made("a", None, None, **(ecu | {"valid_share": 0.0})))
+    found = told(made_validation("a", None, None, **(ecu | {"valid_share": 0.0})))
     two = beside(found).rows
     assert len(two) == 2
     assert not any(cell[:1].isdigit() for row in two for cell in row[5:8])
@@ -60,14 +60,17 @@ def test_without_an_answer_there_is_no_number(ecu):
     [("ecu_normalised_error_f", True), ("ecu_reference_f", True), ("ecu_pad_level", False)],
 )
 def test_the_word_is_not_passed_where_nothing_proves(metric, proved):
-    found = told(made("a", **{metric: 1.0}))
+    found = told(made_validation("a", **{metric: 1.0}))
     assert found.word.startswith("Passed") == proved
     assert found.tables[0].rows[0][-1].startswith("passed") == proved
 
 
 def test_the_metric_that_fails_is_named():
     bad = Judgement("ecu_reference_r", None, 3.5, value=4.2)
-    found = told(made("a", **ECU), made("b", judgements=[bad], **ECU, ecu_reference_r=4.2))
+    found = told(
+        made_validation("a", **ECU),
+        made_validation("b", judgements=[bad], **ECU, ecu_reference_r=4.2),
+    )
     assert found.verdict == FAILED
     assert [row[0] for row in found.tables[0].rows] == ["b", "a"]  # the failed one first
     assert found.tables[0].verdicts == [FAILED, PASSED]

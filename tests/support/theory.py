@@ -123,7 +123,7 @@ def roads() -> Sheet:
     log = without(noisy(clean, 2), "v")
     e, used = estimate(table, log), np.flatnonzero(clean.time > 1.8)[::10]
     t, ecu, curve = clean.time[used], e.ecu.torque_r, table.difference
-    by_law = METHODS["gradient_paper"](e)[1] * CAR.rear.torque_gain * e.read.p_r
+    by_law = METHODS["gradient_paper"](e)[1] * CAR.rear.torque_gain * e.signals.p_r
     law, value, low, high = (
         100.0 * x[used] / clean.truth["true_Tb_rl"][used]
         for x in (by_law, ecu.value, ecu.lower, ecu.upper)
@@ -257,7 +257,7 @@ def stopped() -> list[str]:
         f"ratio, (S12)                {bounded(ratio)}",
         f"n, (S14)                    1 + {share:.4f} (exp({ratio[0]:.3f}) - 1) = {n:.4f}",
         f"pads, (S15)                 {', '.join(pads)}",
-        f"p; C_f, C_r                 {e.read.p_f[i] / 1e5:.1f} bar; "
+        f"p; C_f, C_r                 {e.signals.p_f[i] / 1e5:.1f} bar; "
         + ", ".join(f"{x.torque_gain:.4g} m^3" for x in (car.front, car.rear)),
         f"torque of a wheel [N m]     {', '.join(torque)}",
         "truth of the simulation     "

@@ -144,7 +144,7 @@ class BatchRun:
     def _store(self, items: tuple[WorkItem, ...], rows: Rows) -> None:
         """Store the rows of a chunk, and count them. An unchanged log is in the journal already."""
         computed = [row for row in rows if row is not None]
-        # a log that cannot be read has no digest and is tried each time: its row may be the same
+        # a log that cannot be read has no digest and is tried in every run, often with an equal row
         new = [row for row in computed if row.digest or self.journal.row(row.log) != row]
         self.journal.add(new)
         self.computed += len(computed)
@@ -172,10 +172,9 @@ def find_logs(arguments: Iterable[str], out: Path) -> Iterator[str]:
     """
     results = os.path.realpath(out / NAME)
     for argument in arguments:
-        matches = [argument]
-        is_pattern = glob.has_magic(argument) or not _is_log(argument)
-        if is_pattern and not os.path.exists(argument):
-            matches = sorted(glob.iglob(argument, recursive=True))
+        # an existing path is no pattern, nor is the name of a missing log
+        is_path = os.path.exists(argument) or (_is_log(argument) and not glob.has_magic(argument))
+        matches = [argument] if is_path else sorted(glob.iglob(argument, recursive=True))
         paths: list[str] = []
         for path in matches:
             if os.path.isdir(path):

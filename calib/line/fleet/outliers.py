@@ -20,9 +20,9 @@ import numpy as np
 from calib.base.arrays import Array, Index, Mask
 
 _FALSE_SHARE = 0.03
-"""Expected share of false ones among the outliers; so many fleets of good cars have an outlier."""
+"""Expected share of good cars among the outliers; 3 % of fleets of good cars have an outlier."""
 _REASON_P = 0.01
-"""p times the number of metrics, up to which a further metric of an outlier is a reason, too."""
+"""A metric of an outlier is a reason, too, if p times the number of metrics is at most this."""
 FEWEST = 8  # fewest cars for a spread that can name outliers
 _CENSORED = 0.1  # share of the cars of a side that is censored: the outermost
 _FREEDOM = np.array([1e6, 8.0, 4.0, 2.5])  # of four Student distributions; 1e6: nearly normal
@@ -30,7 +30,7 @@ _QUARTILE = np.array([1.15035, 1.24032, 1.34440, 1.49085])
 """Upper quartile of |t| of each of the four distributions: the quantile 87.5 % of t."""
 _PRIOR = np.array([0.50, 0.25, 0.15, 0.10])  # share of each of the four among all sides
 _PRIOR_WEIGHT = 0.5
-"""Number of sides that the prior counts for: with more, cars 9 sigma off hide in small fleets."""
+"""Weight of the prior, in sides. With more, a small fleet would hide a car that is 9 sigma off."""
 _EM_STEPS = 30  # steps of expectation and maximisation; then the shares are constant
 
 
@@ -52,8 +52,8 @@ def find_outliers(values: Array, least: Sequence[float]) -> OutlierTest:
     from scipy.stats import false_discovery_control
 
     sides: list[tuple[int, Index, Array]] = []  # metric, cars and their distances
-    for metric, (of_cars, step) in enumerate(zip(values, least, strict=True)):
-        sides += [(metric, cars, distance) for cars, distance in _sides(of_cars, step)]
+    for metric, (row, least_spread) in enumerate(zip(values, least, strict=True)):
+        sides += [(metric, cars, distance) for cars, distance in _sides(row, least_spread)]
     p = np.full(values.shape, np.nan)
     weights = _tails([distance for _, _, distance in sides])
     for (metric, cars, distance), weight in zip(sides, weights, strict=True):
@@ -81,9 +81,9 @@ def _sides(values: Array, least: float) -> list[tuple[Index, Array]]:
         return []
     centre = float(np.median(values[cars]))
     deviation = values[cars] - centre
-    no_difference = max(least, 1e-12 * abs(centre))  # at least the rounding
-    if np.median(np.abs(deviation)) <= no_difference:  # half of the cars or more have one value
-        differs = np.abs(deviation) > no_difference
+    equal_up_to = max(least, 1e-12 * abs(centre))  # at least the rounding
+    if np.median(np.abs(deviation)) <= equal_up_to:  # half of the cars or more have one value
+        differs = np.abs(deviation) > equal_up_to
         if np.count_nonzero(differs) >= FEWEST:
             cars, deviation = cars[differs], deviation[differs]
         elif least <= 0.0:

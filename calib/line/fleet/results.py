@@ -76,9 +76,10 @@ def open_fleet(path: Path) -> FleetFile:
             raise InputError(f"no column {name!r}", where=path, expected=_EXPECTED)
     statuses = {str(status) for status in table.column("status").to_pylist()}
     unknown = sorted(statuses - {*Status})
-    if unknown or not statuses:
-        problem = f"status {unknown[0]!r}" if unknown else "no rows"
-        raise InputError(problem, where=path, expected=f"rows with {', '.join(Status)}")
+    if unknown:
+        raise InputError(f"status {unknown[0]!r}", where=path, expected=", ".join(Status))
+    if not statuses:
+        raise InputError("no rows", where=path, expected=_EXPECTED)
     logs = [str(log) for log in table.column("log").to_pylist()]
     order = sorted(range(len(logs)), key=lambda row: _natural(logs[row]))
     head = {column.name for column in HEAD}

@@ -70,10 +70,10 @@ HEAD = _columns("log", "digest", "status", "error", kind=str)
 _WARNED = _columns("warned", kind=str)  # codes of the warnings of a log; null without a warning
 
 QUALITY = (
-    *("deceleration_max", "front_biased_up_to", "eta_peak", "eta_peak_deceleration"),
-    *("eta_peak_is_real", "residual_eta_rms_sigma", "residual_slip_rms_sigma", "outliers"),
+    "deceleration_max", "front_biased_up_to", "eta_peak", "eta_peak_deceleration",
+    "eta_peak_is_real", "residual_eta_rms_sigma", "residual_slip_rms_sigma", "outliers",
     "pad_ratio_nominal_weight",
-)
+)  # fmt: skip
 """Metrics of the quality of a table that are columns of `fit`."""
 
 _COLUMNS = {

@@ -1,6 +1,5 @@
 """Summary of a fleet: the scatter of each metric, the outliers, and the errors by kind."""
 
-import itertools
 import re
 from collections import Counter, defaultdict
 from collections.abc import Sequence
@@ -89,7 +88,7 @@ class Summary:
     status: dict[Status, int]  # number of logs
     failed: dict[str, str]  # limits not held by each log that fails; "" if they are not known
     metrics: tuple[MetricSummary, ...]
-    outliers: dict[str, list[Outlier]]  # by log: logs, and metrics of a log, with rising p
+    outliers: dict[str, list[Outlier]]  # metrics by log; both are sorted, the least p first
     failures: tuple[_Failure, ...]
     copies: list[list[str]]  # groups of logs that are the same recording
 
@@ -124,11 +123,12 @@ def summarise(fleet: FleetFile) -> Summary:
         metrics.append(MetricSummary(column, rows, x[rows], outlying[rows], judged))
     statuses = fleet.values("status")
     counts = Counter(statuses)
-    with_limits = itertools.zip_longest(fleet.logs, statuses, fleet.values("not_held"))
+    not_held = fleet.values("not_held") or [None] * len(fleet.logs)  # `check` has no such column
+    outcomes = zip(fleet.logs, statuses, not_held, strict=True)
     return Summary(
         logs=fleet.logs,
         status={status: counts[status] for status in Status if counts[status]},
-        failed={log: limits or "" for log, s, limits in with_limits if s == Status.FAILED},
+        failed={log: limits or "" for log, status, limits in outcomes if status == Status.FAILED},
         metrics=tuple(metrics),
         outliers=_outliers(fleet.logs, numbers, values, test),
         failures=failures_of(fleet.logs, fleet.values("error")),
@@ -180,12 +180,13 @@ def kind_of(error: str, log: str) -> str:
     """
     for name in filter(None, (log, re.split(r"[/\\]", log)[-1])):
         error = error.replace(name, "LOG")
+    # a number that does not touch a letter, a digit or a point of a name
     return re.sub(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.]*\w)", "#", error)
 
 
 def document(summary: Summary) -> dict[str, Any]:
     """Return the JSON document of a summary."""
-    outliers = itertools.chain.from_iterable(summary.outliers.values())
+    outliers = [outlier for reasons in summary.outliers.values() for outlier in reasons]
     return {
         "schema": 1,
         "logs": len(summary.logs),

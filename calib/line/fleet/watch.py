@@ -118,9 +118,9 @@ def _scan(folder: Path, out: Path) -> tuple[list[str], set[str]]:
 
 
 def _started(logs: dict[str, str], files: _CompleteFiles, stop: Event) -> Iterator[tuple[str, str]]:
-    """Yield name and path of each log until ``stop`` is set; a log that is started is not ready."""
+    """Yield name and path of each log until ``stop`` is set."""
     for name, path in logs.items():
         if stop.is_set():
             return
-        files.postpone(path)
+        files.postpone(path)  # the file is not ready again until it changes
         yield name, path

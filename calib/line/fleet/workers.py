@@ -13,10 +13,10 @@ from calib.line.fleet.work import WorkItem, run_items
 Rows = list[Row | None]  # of a chunk, in the order of its logs; None for an unchanged log
 
 _PRELOADED = (
-    *("pyarrow.csv", "pyarrow.parquet", "scipy.linalg", "scipy.optimize", "scipy.signal"),
-    *("scipy.special", "calib.plausibility.check", "calib.fitting.fit"),
-    *("calib.estimation.validate", "calib.line.fleet.work"),
-)
+    "pyarrow.csv", "pyarrow.parquet", "scipy.linalg", "scipy.optimize", "scipy.signal",
+    "scipy.special", "calib.plausibility.check", "calib.fitting.fit", "calib.estimation.validate",
+    "calib.line.fleet.work",
+)  # fmt: skip
 """Modules that a command imports late. The process from which workers are forked imports them."""
 
 _TIMEOUT = "10s"  # longest wait for an answer of the scheduler, in Dask's spelling
@@ -69,7 +69,7 @@ class Cluster:
     @property
     def workers(self) -> int:
         """The number of threads of all workers at this moment, at least 1."""
-        self.renew()  # raises BatchError without a scheduler
+        self._require_scheduler()
         try:
             threads: int = sum(self._client.nthreads().values())
         except OSError as cause:
@@ -81,11 +81,14 @@ class Cluster:
         rows: Future[Rows] = Future()
         dask_future = self._client.submit(run_items, packed, items, pure=False)
         dask_future.add_done_callback(partial(_pass_on, rows))
-        self.renew()  # without a scheduler a new future would wait for ever
+        self._require_scheduler()  # without a scheduler the new future would never end
         return rows
 
     def renew(self) -> None:
-        """Raise BatchError without a scheduler. Dask itself replaces a dead worker."""
+        """Do no more than `_require_scheduler`: Dask itself replaces a dead worker."""
+        self._require_scheduler()
+
+    def _require_scheduler(self) -> None:
         if self._client.status != "running":
             raise self._gone()
 
@@ -103,7 +106,7 @@ Executor = Pool | Cluster
 
 
 def _pass_on(rows: Future[Rows], dask_future: Any) -> None:
-    """Copy result or error of a Dask future; Dask's own executor would lose a failed transfer."""
+    """Copy result or error of a Dask future. Dask's own executor hangs if the transfer fails."""
     try:
         rows.set_result(dask_future.result())
     except BaseException as error:

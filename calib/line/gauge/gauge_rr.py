@@ -149,7 +149,8 @@ def _effective_df(U: Array, Z: dict[str, Array], variances: dict[str, float]) ->
     These are tr(M)^2/tr(M^2), where M (df, df) is the covariance of U' y. A negative variance
     counts as zero.
     """
-    M = np.sum([max(variances[c], 0.0) * (U.T @ z) @ (U.T @ z).T for c, z in Z.items()], axis=0)
+    projections = {cause: U.T @ columns for cause, columns in Z.items()}  # (df, levels)
+    M = np.sum([max(variances[c], 0.0) * P @ P.T for c, P in projections.items()], axis=0)
     trace_of_square = float(np.sum(M * M))
     return float(np.trace(M) ** 2 / trace_of_square) if trace_of_square > 0.0 else float(U.shape[1])
 
@@ -189,7 +190,7 @@ def gauge_rr(analysis: Anova, tolerance: float | None = None) -> GaugeRR:
     """
     if analysis.variances[REPEATABILITY] <= 0.0:
         raise ValueError("nothing scatters between repeats")
-    # draws of expected mean squares and of variances, (k, _DRAWS)
+    # draws of the expected mean squares, nu MS/chi2(nu), and of the variances, (k, _DRAWS)
     ms = [x.ms * x.effective_df / _chi2(x.effective_df, i) for i, x in enumerate(analysis.sources)]
     variances = np.linalg.solve(analysis.expected_mean_squares, np.array(ms))
     estimates = _component_variances(analysis.variances)
@@ -198,7 +199,8 @@ def gauge_rr(analysis: Anova, tolerance: float | None = None) -> GaugeRR:
     for name, variance in estimates.items():
         low, high = _interval(draws[name])
         components[name] = _Component(math.sqrt(variance), (math.sqrt(low), math.sqrt(high)))
-    (grr, ndc), (grr_draws, ndc_draws) = _ratios(estimates), _ratios(draws)
+    grr, ndc = _ratios(estimates)
+    grr_draws, ndc_draws = _ratios(draws)
     grr_of_tolerance = None
     if tolerance:
         gauge, factor = components[GAUGE], _SIGMAS / tolerance
@@ -208,7 +210,7 @@ def gauge_rr(analysis: Anova, tolerance: float | None = None) -> GaugeRR:
         anova=analysis.sources,
         components=components,
         grr=_Ratio(float(grr), _interval(grr_draws)),
-        ndc=_Ratio(int(min(float(ndc), 1e9)), _interval(ndc_draws)),
+        ndc=_Ratio(int(min(float(ndc), 1e9)), _interval(ndc_draws)),  # a whole number, never inf
         grr_of_tolerance=grr_of_tolerance,
         cars_differ=components[CAR].ci95[0] > 0.0,
     )

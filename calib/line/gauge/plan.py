@@ -60,9 +60,10 @@ def _rows(path: Path, vehicle: Path | None) -> Iterator[PlannedRamp]:
         text = data.decode("utf-8-sig")
         if "\0" in text:
             raise csv.Error("it holds a NUL")
-        delimiter = ";" if ";" in text and "," not in text.partition("\n")[0] else ","
+        header = text.partition("\n")[0]
+        delimiter = ";" if ";" in text and "," not in header else ","
         lines = csv.reader(text.splitlines(), delimiter=delimiter)
-        columns, *rows = [[cell.strip() for cell in row] for row in lines] or [[]]
+        columns, *rows = [[cell.strip() for cell in row] for row in lines] or [[]]  # [[]]: empty
     except (UnicodeDecodeError, csv.Error) as cause:
         raise InputError(f"not a table: {cause}", where=path, expected=_FILE) from cause
     names = {*columns}
@@ -102,8 +103,7 @@ def readings(
         log = read_log(ramp.log, channel_map)
         copied = next((fitted for fitted in fitted_logs if fitted.is_run_of(log)), None)
         if copied:
-            flaw = f"the same run as {copied.name}"
-            raise InputError(flaw, where=log.source, do="give it once")
+            raise InputError(f"the same run as {copied.name}", where=log.source, do="give it once")
         table = fit(cars[ramp.vehicle], [log])
         fitted_logs += table.provenance.logs
         metrics = metrics_of(table, log)

@@ -160,7 +160,7 @@ def study(readings: tuple[GaugeReading, ...], limits: tuple[Limit, ...] = _DEFAU
         _result(name, values[name], analysis, gauge_limits, tolerances.get(name))
         for name, analysis in analyses.items()
     ]
-    notes = _notes(causes, several_stations=bool(station.max()))
+    notes = _notes(causes, several_stations=bool(station.max() > 0))
     alike = [result.name for result in results if result.verdict == GaugeVerdict.ALIKE]
     if alike:
         notes.append(
@@ -184,7 +184,8 @@ def _result(
     if gauge.grr_of_tolerance:
         figures["grr_of_tolerance"] = gauge.grr_of_tolerance.value
     judgements = judge(limits, figures)
-    shares = [share for name, share in figures.items() if name != "ndc" and share is not None]
+    grr_figures = figures.get("grr"), figures.get("grr_of_tolerance")
+    shares = [share for share in grr_figures if share is not None]
     if any(judgement.verdict == FAILED for judgement in judgements):
         verdict = GaugeVerdict.BAD
     elif not shares:

@@ -27,8 +27,7 @@ from calib.line.station.station import Identity, StationCheck, StationOutcome
 from calib.store.version import Stored
 from calib.table.table import Table
 
-DOCUMENT, JUNIT, REPORT = "station.json", "junit.xml", "report.html"
-REFUSED = "refused.json"
+DOCUMENT, JUNIT, REPORT, REFUSED = "station.json", "junit.xml", "report.html", "refused.json"
 _FIXED = (DOCUMENT, JUNIT, REPORT, "summary.json")
 
 
@@ -53,7 +52,7 @@ def why_not_exported(stored: Stored) -> str:
 def publish_run(work: Path, out: Path) -> list[Path]:
     """Move all files of ``work`` to ``out``, the verdict last; return the paths. Raises OSError.
 
-    Those of an earlier run go: the export of a car that passed must not stay when the car fails.
+    Files of an earlier run are removed: a car that fails must not keep the export of its pass.
     """
     return publish(work, out, DOCUMENT, _stale)
 
@@ -112,7 +111,7 @@ def to_text(document: dict[str, Any]) -> str:
 
 
 def _pads_of_ramp(table: Table) -> dict[str, float]:
-    """Return pad frictions [1] and brake torques of an axle over pressure [N m/Pa]."""
+    """Return pad frictions [1]; the torques of an axle "per bar" are in SI, too [N m/Pa]."""
     front, rear = table.vehicle.front, table.vehicle.rear
     mu_f, mu_r = table.calibration.pad_friction_f.value, table.calibration.pad_friction_r.value
     return {

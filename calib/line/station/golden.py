@@ -39,7 +39,7 @@ def golden_table(store: Store, reference: str) -> Stored:
 
 
 def golden_metrics(table: Table, golden: Table) -> dict[str, float]:
-    """Return the `golden_` metrics that both tables give, those in sigma by several golden cars."""
+    """Return the `golden_` metrics. Those in sigma need a golden table of several cars."""
     pads, golden_pads = table.calibration, golden.calibration
     metrics = {
         "golden_pads_f": pads.pad_friction_f.value / golden_pads.pad_friction_f.value - 1.0,
@@ -90,10 +90,8 @@ def _sigmas(
     if end is not None:
         curve, golden_curve = table.difference, golden.difference
         row = int(np.argmax(np.where(golden_curve.eta <= end, np.abs(golden_curve.D), -1.0)))
-        D, upper, lower, run_share = (
-            float(np.interp(golden_curve.eta[row], curve.eta, column))
-            for column in (curve.D, curve.upper, curve.lower, curve.own)
-        )
+        eta, columns = golden_curve.eta[row], (curve.D, curve.upper, curve.lower, curve.own)
+        D, upper, lower, run_share = (float(np.interp(eta, curve.eta, x)) for x in columns)
         per_run_variance = ((upper - lower) / (2.0 * Z95)) ** 2 * run_share
         difference = D - float(golden_curve.D[row])
         sigmas["golden_sigma_d"] = _sigma(difference, spread.D[row], per_run_variance, freedom)

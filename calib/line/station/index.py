@@ -30,7 +30,7 @@ class IndexedRun:
     car: str = ""
     station: str = ""
     bad: int = 0  # number of checks and warnings that speak against the car
-    worst: tuple[str, str, float | None, str] | None = None  # check: metric, stop, value, next step
+    worst: tuple[str, str, float | None, str] | None = None  # metric, scope, value, next step
     trend: dict[str, float | None] | None = None  # the metrics `TRENDS` by name
     limits: dict[str, tuple[float | None, float | None]] | None = None  # of `trend`: low, high
     refusal: str = ""  # reason why the car could not be judged
@@ -52,12 +52,8 @@ def runs_below(folder: Path) -> list[IndexedRun]:
 
 def _documents(folder: Path) -> Iterator[Path]:
     """Yield the document of every run below ``folder``, but not in hidden folders."""
-
-    def fail(error: OSError) -> None:
-        if Path(error.filename) == folder:
-            raise error
-
-    for place, folders, files in os.walk(folder, onerror=fail):
+    os.scandir(folder).close()  # raises OSError; `os.walk` leaves out what it cannot read
+    for place, folders, files in os.walk(folder):
         document = next((name for name in (REFUSED, DOCUMENT) if name in files), None)
         if document is not None:
             yield Path(place, document)
@@ -76,8 +72,8 @@ def _run(path: Path, place: str, written_at: float) -> IndexedRun:
             return replace(run, bad=1, refusal=str(document["error"]["message"]))
         checks = document["checks"]
         metrics = document["figures"] | document.get("pads_of_ramp", {})
-        failed = [check for check in checks if check["verdict"] == "failed"]
-        bad = failed + [check for check in checks if check["verdict"] == "warning"]
+        words = "failed", "warning"
+        bad = [check for word in words for check in checks if check["verdict"] == word]
         reasons = [(c["figure"], c["scope"], c["value"], c["action"] or "") for c in bad]
         return replace(
             run,

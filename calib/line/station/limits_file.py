@@ -19,8 +19,8 @@ def _limit(figure: str) -> Limit:
     return Limit(figure, *(metric.car if has_limit else metric.stop), metric.required)
 
 
-_JUDGED = sorted((metric.judged, figure) for figure, metric in METRICS.items() if metric.judged)
-LIMITS = tuple(_limit(figure) for _, figure in _JUDGED)
+_JUDGED = [figure for figure, metric in METRICS.items() if metric.judged]
+LIMITS = tuple(_limit(figure) for figure in sorted(_JUDGED, key=lambda x: METRICS[x].judged))
 """The default limits, first of the car, then of each stop."""
 
 

@@ -37,8 +37,9 @@ def metrics_of(
     """
     pads, runs = table.calibration, [Run(log) for log in ramps]
     car = table.vehicle.with_pads(pads.pad_friction_f.value, pads.pad_friction_r.value)
-    eta_zeros = [run.axles.front_rear for run in runs if run.axles]
+    eta_zeros = [run.axles.front_rear for run in runs if run.axles]  # eta - 1 without brakes
     mismatches = [table.vehicle.radius_mismatch(zero.value) for zero in eta_zeros if zero]
+    largest_z = metric_of("front_biased_up_to").cut  # this value stands for all larger ones
     metrics: dict[str, float | None] = {
         "ramp_deceleration": table.quality["deceleration_max"],
         "measured_share": float(np.mean(table.paper.flag == MEASURED)),
@@ -46,7 +47,7 @@ def metrics_of(
         "ramp_eta_zero": _largest(mismatches),
         "pad_scale": pads.pad_scale.value,
         "pad_ratio": float(np.exp(pads.pad_log_ratio.value)),
-        "front_biased_up_to": min(front_biased_up_to(car), metric_of("front_biased_up_to").cut),
+        "front_biased_up_to": min(front_biased_up_to(car), largest_z),
     }
     for axle in "fr":
         differences = [side_difference(table, run, axle) for run in runs]
@@ -98,8 +99,9 @@ def side_difference(table: Table, run: Run, axle: str) -> float | None:
     # noise may make a small slip negative: the curve is continued as an odd function
     s = np.stack([s_l, s_r])[:, on_curve]
     F_l, F_r = np.sign(s) * np.interp(np.abs(s), tyre.slip, tyre.force)
-    stiffness = float(tyre.force[1] / tyre.slip[1])
-    d, half_width = _slope(0.5 * (F_l + F_r), F_l - F_r, stiffness * (rolling[0] - rolling[1]))
+    # F_l - F_r without brakes: its scatter is the error of the zero
+    rolling_difference = float(tyre.force[1] / tyre.slip[1]) * (rolling[0] - rolling[1])
+    d, half_width = _slope(0.5 * (F_l + F_r), F_l - F_r, rolling_difference)
     return d - _pressure_difference(log, axle, use) if half_width <= _WIDEST else None
 
 

@@ -217,7 +217,9 @@ def car_warnings(table: Table, results: Sequence[Validation]) -> tuple[Plausibil
     """Return a warning if the brakes of the stops, in the mean, are not those of the ramp."""
     of_stops = [force_over_ramp(table, result) for result in results]
     ratios = [ratio for ratio in of_stops if ratio is not None]
-    mean = float(np.mean(np.log(ratios))) if ratios else 0.0
+    if not ratios:
+        return ()
+    mean = float(np.mean(np.log(ratios)))
     measured = Measured("level_changed", mean, to_display=math.expm1)
     return rule_warnings(table.vehicle.name, [measured], STATION)
 

@@ -40,14 +40,14 @@ def run(job):
     return run
 
 
-def rows_of(done):
-    return pq.read_table(done.results).to_pylist()
+def rows_of(batch):
+    return pq.read_table(batch.results).to_pylist()
 
 
 def test_rows_are_those_of_validate_to_the_last_bit(job, run, six):
-    done = run(six)
-    assert done.counts == {"error": 2, "passed": 4}
-    rows = rows_of(done)
+    batch = run(six)
+    assert batch.counts == {"error": 2, "passed": 4}
+    rows = rows_of(batch)
     assert [row["log"] for row in rows] == [f"logs/car_{i:05d}.csv" for i in range(6)]
     for row in rows:
         log = read_log(Path(row["log"]))
@@ -64,18 +64,18 @@ def test_only_a_log_that_changed_or_is_new_or_cannot_be_read_is_done_again(run, 
     first = run(six, "logs/*.csv", "logs/car_00000.csv", "logs/missing.csv")
     assert (first.counts.total(), first.finished, first.total) == (7, 7, 7)
     files = (first.results, Path("out", NAME))
-    before = [file.read_bytes() for file in files]
+    contents = [file.read_bytes() for file in files]
     again = run(six, "logs/missing.csv")
     assert (again.computed, again.counts) == (1, first.counts)
-    assert [file.read_bytes() for file in files] == before
+    assert [file.read_bytes() for file in files] == contents
 
     Path("logs/car_00002.csv").write_bytes(Path("logs/car_00000.csv").read_bytes())
     Path("logs/new.csv").write_bytes(Path("logs/car_00001.csv").read_bytes())
     Path("logs/car_00005.csv").unlink()
     os.mkfifo("logs/missing.csv")
-    done = run(six, "logs/missing.csv")
-    rows = {row["log"]: row for row in rows_of(done)}
-    assert done.computed == 3
+    batch = run(six, "logs/missing.csv")
+    rows = {row["log"]: row for row in rows_of(batch)}
+    assert batch.computed == 3
     assert rows["logs/car_00002.csv"]["status"] == rows["logs/new.csv"]["status"] == "passed"
     assert "logs/car_00005.csv" not in rows
     assert rows["logs/missing.csv"]["digest"] is None
@@ -83,11 +83,11 @@ def test_only_a_log_that_changed_or_is_new_or_cannot_be_read_is_done_again(run, 
 
 
 def test_other_settings_are_refused(run, fitted, six):
-    before = run(six).results.read_bytes()
+    results = run(six).results.read_bytes()
     strict = Job("validate", table=fitted, limits=(Limit("interval_f", None, 1e-6),))
     with pytest.raises(BatchError):
         run(six, job=strict)
-    assert Path("out/results.parquet").read_bytes() == before
+    assert Path("out/results.parquet").read_bytes() == results
 
 
 def test_a_log_that_kills_its_worker_is_a_row_and_is_tried_again(run, six):

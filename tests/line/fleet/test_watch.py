@@ -59,8 +59,8 @@ def dropped(name, data):
 
 def test_rows_are_those_of_a_batch(watched, six, fitted, monkeypatch):
     acts = [dropped(path.name, path.read_bytes()) for path in sorted(Path(six).iterdir())]
-    rows, done, _, counts = watched(*acts, *[idle] * 5)
-    assert len(rows) == len(done) == 6
+    rows, names, _, counts = watched(*acts, *[idle] * 5)
+    assert len(rows) == len(names) == 6
     monkeypatch.chdir("in")
     batch = run_batch(validating(fitted), ["*.csv"], Path("../batch"), Here())
     assert counts == batch.counts

@@ -89,9 +89,9 @@ def test_a_killed_process_of_this_machine_costs_no_row(fitted, fleet, undisturbe
             os.kill(killed[0], signal.SIGKILL)
 
     with closing(Pool(2)) as pool:
-        done = run_batch(validating(fitted), [str(fleet)], tmp_path / "out", pool, report)
+        batch = run_batch(validating(fitted), [str(fleet)], tmp_path / "out", pool, report)
     assert killed
-    assert done.results.read_bytes() == undisturbed
+    assert batch.results.read_bytes() == undisturbed
 
 
 @with_dask

@@ -8,13 +8,7 @@ import pytest
 from calib.base.errors import InputError, LimitsError
 from calib.estimation.limits import Limit
 from calib.fitting.fit import fit
-from calib.line.gauge.study import (
-    METRICS,
-    GaugeReading,
-    metrics_of,
-    read_gauge_limits,
-    study,
-)
+from calib.line.gauge.study import METRICS, GaugeReading, metrics_of, read_gauge_limits, study
 from tests.support.reference_car import CAR, REAL, noisy, ramp, with_pads
 
 

@@ -69,8 +69,8 @@ def test_D_of_a_car_over_scatter_and_error_of_the_mean():
 
 
 def test_sigma_of_pads_and_tyres_where_D_is_the_same():
-    made = [car_table(n, 27.0, 0.02 * n, -0.03 * n) for n in range(4)]
-    golden = merge([version(table, n) for n, table in enumerate(made, 1)], "golden")
+    tables = [car_table(n, 27.0, 0.02 * n, -0.03 * n) for n in range(4)]
+    golden = merge([version(table, n) for n, table in enumerate(tables, 1)], "golden")
     scatter = np.std(range(4), ddof=1)
     car = car_table(9, 27.0, 0.02 * 6.0, -0.03 * 6.0)
     away = as_rare((6.0 - 1.5) / (scatter * math.sqrt(1.25)), 3)
