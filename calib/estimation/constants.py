@@ -58,7 +58,7 @@ class Constants:
     steady: float = ROLLING_Z  # deceleration of a car that rolls, at most [1]
     q_radius: float = WALK  # random walk of the zeros of eta and slip [1/sqrt(s)]
     memory: float = 0.3  # time over which the means for the map forget [s]
-    before_bite: float = 0.1  # blocks so short before a bite [s] show no zero: pads may touch
+    before_bite: float = 0.1  # time before a bite [s] in which pads may touch: no zero is read
     untouched: float = 7e4  # pressure up to which pads do not touch [Pa]
     settle: float = 0.3  # time of braking before an answer is valid [s]
     over: float = 1.0  # time after a release at which a stop is over [s]
@@ -73,12 +73,12 @@ class Constants:
     level_sigma: float = CAR.pad_level.sigma  # sigma of the level before any braking [1]
     q_level: float = 0.01  # random walk of the level, relative [1/sqrt(s)]
     fade: float = 0.06  # sigma of the rate at which the level changes [1/s]
-    q_rate: float = 0.02  # random walk of that rate, relative to the level [1/s^1.5]
+    q_rate: float = 0.02  # random walk of this rate, relative to the level [1/s^1.5]
     jump: float = 3.0  # innovation from which on the level has made a step [sigma]
     r_level: float = 0.007  # relative noise of the force of a block, by road and body
     lag: float = CAR.brake_lag.mean  # time constant of the brakes [s]
     lag_sigma: float = CAR.brake_lag.sigma  # sigma of that time constant [s]
-    r_lag: float = 0.2  # error of the lag's model, over the force that still lags
+    r_lag: float = 0.2  # error of the force by a lag that is not of first order, over what lags
     least_lag: float = 0.004  # least time constant of the brakes [s]
     apart: float = 0.02  # difference of the clocks of a_x and speeds [s]
     zero: float = CAR.zero.sigma  # sigma of a zero before any rolling [1]
@@ -97,7 +97,7 @@ class Constants:
     q_bends: float = 0.1  # variance of ln(slip/z) per change of z [1], since tyre curves bend
     other_road: float = _ROAD_SIGMA  # sigma of ln of the tyres' stiffness over the ramp's [1]
     slowest: float = 0.3  # a slower speed of the rims counts as this [m/s]
-    steering: float = math.radians(5.0)  # driver's wheel [rad] that changes eta as braking does
+    steering: float = math.radians(5.0)  # angle [rad] that changes eta as much as braking does
     # left and right radii that differ by 0.5 % look like this acceleration at 30 m/s
     lateral: float = 3.0  # acceleration by the wheels, above which a bend changes eta [m/s^2]
     lock: float = 0.15  # a wheel that is slower than the fastest by this share locks [1]
@@ -114,8 +114,8 @@ class Constants:
     chatter_memory: float = 0.7  # time over which that mean forgets [s]
     trusted: float = 2.0  # departure of the scale from its prior without doubt [sigma]
     far: float = 7.0  # largest plausible departure of the offset from its prior [sigma]
-    far_scale: float = 10.0  # the same of the scale; a slope that begins in a stop moves it by 9
-    far_slip: float = 2.8  # the same of ln(slip/z), upwards
+    far_scale: float = 10.0  # the same for the scale: a slope that begins in a stop makes 9
+    far_slip: float = 2.8  # the same for ln(slip/z), upwards
     least_demand: float = -0.15  # least plausible brake force over the weight [1]
     most_demand: float = 1.3  # largest plausible brake force over the weight [1]
     most_zero: float = 0.1  # largest plausible zero of the demand [1]

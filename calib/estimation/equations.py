@@ -349,7 +349,7 @@ def predict(
     f.var_offset += c.walk_grade
     if s.braked > c.block:
         f.var_slip += c.walk_slip + c.q_bends * bends
-    else:  # no block before this one brakes: the slip is not known
+    else:  # the car rolls, or this is the first block of a stop: the slip is not known
         f.slip, f.var_slip = c.log_slip, c.var_log_slip
         f.cov_v_slip, f.cov_slip_offset, f.cov_slip_scale = 0.0, 0.0, 0.0
         e.slip = 0.0

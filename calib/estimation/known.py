@@ -25,7 +25,7 @@ def as_driven(table: Table, car: Vehicle) -> Table:
 
 
 def nominal_car(table: Table, vehicle: Vehicle | None = None) -> Vehicle:
-    """Return the car with pads of ``vehicle``, by default those of its file at the ramp's level."""
+    """Return the table's car with pads of ``vehicle``, by default its own at the ramp's level."""
     car = table.vehicle
     if vehicle:
         return car.with_pads(vehicle.front.pad_friction, vehicle.rear.pad_friction)

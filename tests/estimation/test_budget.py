@@ -14,7 +14,7 @@ from tests.support.reference_car import CAR, IDEAL, REAL, WET, held, noisy, ramp
 
 UNWEIGHED = replace(CAR, mass_tolerance=0.03)
 PATCHED = replace(REAL, surface=lambda x: (1.0, 1.0) if x < 85.0 else (0.95, 0.55))
-"""Onto a road of little more than half the peak."""
+"""The road changes to one with little more than half the peak."""
 
 
 @pytest.fixture(scope="module")

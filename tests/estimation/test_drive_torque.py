@@ -1,4 +1,4 @@
-"""A motor that brakes along, and is logged: what remains is that of the brakes."""
+"""A motor that brakes and is logged: the estimate is that of the brakes alone."""
 
 from dataclasses import replace
 

@@ -1,6 +1,6 @@
-"""Effects that the vehicle file states: errors of the torque on a plant that has them, told or not.
+"""Errors of the torque on a plant with an effect, with the effect in the vehicle file and without.
 
-The plant of the tests has its own load transfer, motor and drag; it is told nothing of the effects.
+The plant of the tests has its own load transfer, motor and drag, and no function of `calib`.
 """
 
 import math
@@ -71,8 +71,8 @@ def plain():
 
 @pytest.mark.parametrize("name", PLANTS)
 def test_a_known_effect_is_in_the_fit_and_out_of_the_estimate(name, plain):
-    """What is left is what is left without any effect; more where the estimate is not told, but for
-    a moment that is there on the lead-in, too: that is zeroed."""
+    """With the effect in the file, the errors are those of a plant without it. Without, they are
+    larger, except for a moment that acts on the lead-in, too, which is zeroed."""
     truth, parameters = PLANTS[name]
     ramp, coast, stop = logs(replace(REAL, **truth))
     car = replace(CAR, effects=Effects({name: parameters}))
@@ -87,8 +87,8 @@ def test_a_known_effect_is_in_the_fit_and_out_of_the_estimate(name, plain):
 
 
 def test_an_ecu_does_not_know_the_temperature_of_the_discs():
-    """Pads at 0.31/0.27 lose a third as the discs get hot. Who knows it has the pads of the cold
-    discs; the ECU has their torque all the same, less what it has not seen of the fade."""
+    """Pads at 0.31/0.27 lose a third as the discs get hot. With the fade in the file, the pads are
+    those of cold discs. The torque of the ECU, which has no temperature, does not change."""
     heat = {"fade_slope": 1.2e-3, "fade_onset": 100.0}
 
     def degrees(t):
@@ -112,4 +112,4 @@ def test_an_ecu_does_not_know_the_temperature_of_the_discs():
     assert np.array_equal(with_fade.ecu.torque_f.value, without_fade.ecu.torque_f.value)
     assert not np.array_equal(with_fade.best.torque_f.value, without_fade.best.torque_f.value)
     ratio = with_fade.ecu.pads_f.value[late] / 0.31
-    assert np.abs(ratio - 1.0).max() < 0.06  # told without the fade, as the best ones are
+    assert np.abs(ratio - 1.0).max() < 0.06  # without the fade, as the best ones

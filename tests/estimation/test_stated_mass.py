@@ -1,4 +1,4 @@
-"""A car that weighs 20 % more than its file says: told, the intervals hold; untold, they do not."""
+"""A car with 20 % more mass than in its file: intervals hold the truth only if that is stated."""
 
 from dataclasses import replace
 
@@ -13,7 +13,7 @@ KERB = replace(CAR, mass_tolerance=0.03)
 PADS = (0.34, 0.30)
 
 
-def test_told_the_intervals_hold_the_truth_and_untold_they_do_not():
+def test_intervals_hold_the_truth_if_the_mass_is_stated_and_else_not():
     """With a table from a ramp with the mass of the file."""
     table, log = fit(KERB, [noisy(ramp(REAL), 1)]), noisy(stop(with_pads(LOADED, *PADS), 35e5), 3)
     since = [mu / CAR.front.pad_friction for mu in PADS]

@@ -87,7 +87,9 @@ def watch(
     written_at, is_outdated = -math.inf, True  # of results.parquet
     with closing(BatchJournal(out, settings)) as journal:
         while not stop.is_set():
-            paths, flaws = _scan(folder, out)
+            errors: list[OSError] = []
+            paths = list(logs_below(str(folder), out, errors.append))
+            flaws = {f"{printable(str(e.filename))}: cannot be read ({e.strerror})" for e in errors}
             for flaw in sorted(flaws - reported):
                 on_error(flaw)
             reported = flaws
@@ -108,13 +110,6 @@ def watch(
             if not ready:
                 stop.wait(_PERIOD)
         return journal.counts()
-
-
-def _scan(folder: Path, out: Path) -> tuple[list[str], set[str]]:
-    """Return the paths of all logs, and the reasons why folders cannot be read."""
-    errors: list[OSError] = []
-    paths = list(logs_below(str(folder), out, errors.append))
-    return paths, {f"{printable(str(e.filename))}: cannot be read ({e.strerror})" for e in errors}
 
 
 def _started(logs: dict[str, str], files: _CompleteFiles, stop: Event) -> Iterator[tuple[str, str]]:

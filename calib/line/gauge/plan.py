@@ -63,7 +63,7 @@ def _rows(path: Path, vehicle: Path | None) -> Iterator[PlannedRamp]:
         header = text.partition("\n")[0]
         delimiter = ";" if ";" in text and "," not in header else ","
         lines = csv.reader(text.splitlines(), delimiter=delimiter)
-        columns, *rows = [[cell.strip() for cell in row] for row in lines] or [[]]  # [[]]: empty
+        columns, *rows = [[cell.strip() for cell in row] for row in lines] or [[]]  # no rows
     except (UnicodeDecodeError, csv.Error) as cause:
         raise InputError(f"not a table: {cause}", where=path, expected=_FILE) from cause
     names = {*columns}

@@ -9,14 +9,14 @@ from tests.support.reference_car import WET, cut, noisy, stop
 
 @pytest.fixture(scope="session")
 def stops():
-    """A stop that passes, one that passes too, one without lead-in, which will not do."""
+    """Two stops that pass, and one without a lead-in, which is refused."""
     wet = noisy(stop(WET), 3)
     return [wet, noisy(stop(WET, pressure=30e5), 4), cut(wet, 1.8)]
 
 
 @pytest.fixture(scope="session")
 def fleet(tmp_path_factory, stops):
-    """A folder of 24 logs, 8 of which will not do."""
+    """A folder of 24 logs, 8 of which are refused."""
     return many(tmp_path_factory.mktemp("fleet") / "logs", stops, 24)
 
 

@@ -47,7 +47,7 @@ def false_alarms(draw, metrics, cars):
 
 
 MAX_FALSE_ALARMS = binom.ppf(0.999, FLEETS, 0.05)
-"""As many of them are wrong once in 1000 times at 5 %."""
+"""More false alarms than this come once in 1000 times, if a fleet gives one in 5 % of cases."""
 
 
 @pytest.mark.parametrize(

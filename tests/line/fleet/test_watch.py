@@ -16,7 +16,7 @@ RESULTS = Path("out/results.parquet")
 
 
 class Bench(Event):
-    """Ends the watch after the last of ``acts``; does one of them between two looks."""
+    """Do one of ``acts`` between two scans, and end the watch after the last one."""
 
     def __init__(self, *acts):
         super().__init__()
