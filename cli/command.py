@@ -37,7 +37,7 @@ class Answer:
     document: dict[str, Any]  # what --json prints, without its "schema"
     result: object = ""  # a text, facts, or a result that `calib.show.facts` knows
     exit_code: int = 0
-    out: Path | None = None  # the folder that was written, which the next step names
+    out: Path | None = None  # the folder that was written; its name stands in the next step
 
 
 def _switch(text: str, *flags: str) -> Any:
@@ -61,7 +61,7 @@ def command(
 ) -> Callable[[Callable[..., Any]], Any]:
     """Declare a command by its function, see the head of this file.
 
-    Optional are a switch, an option that is a list, and a parameter that may be None. A function
+    A switch, an option that is a list, and a parameter that may be None are optional. A function
     with a parameter ``json`` prints its result by itself. ``examples`` are lines of the help,
     ``report`` says whether the command has the option --report, ``cls`` replaces typer's class.
     """
@@ -104,15 +104,15 @@ class _Declaration:
         self._infos = {name: _info(p.annotation) for name, p in self.own.items()}
         if report:
             self._infos["report"] = _info(_COMMON["report"])
-        common = _COMMON.keys() - self.own.keys()
+        absent = set(self.own)
         if not report:
-            common.remove("report")
+            absent.add("report")
         if not any(_writes_file(info) for info in self._infos.values()):
-            common.remove("force")
+            absent.add("force")
         self.common = {
             name: Parameter(name, Parameter.KEYWORD_ONLY, annotation=hint, default=_default(hint))
             for name, hint in _COMMON.items()
-            if name in common
+            if name not in absent
         }
 
     def arguments(self, values: dict[str, Any]) -> dict[str, Any]:
@@ -187,10 +187,10 @@ def _default(hint: Any, *, is_option: bool = True) -> Any:
     """Return the default of a parameter for typer; `Parameter.empty` if it is required."""
     kind, info = get_args(hint)
     extra: Extra = info.extra
-    if extra.setting and extra.built_in is not None:
-        return None  # the settings come before what is built in
-    if extra.built_in is not None or type(None) in get_args(kind):
-        return extra.built_in
+    if extra.built_in is not None:
+        return None if extra.setting else extra.built_in  # a setting comes before what is built in
+    if type(None) in get_args(kind):
+        return None
     if kind is bool:
         return False
     return [] if is_option and get_origin(kind) is list else Parameter.empty

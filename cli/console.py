@@ -28,8 +28,7 @@ STOP_SIGNALS = tuple(
     getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGBREAK") if hasattr(signal, name)
 )
 """Signals that ask a run to stop; SIGBREAK is that of Ctrl-Break on Windows."""
-_PIPED_WIDTH = 120
-"""Width of tables in characters without a terminal, if COLUMNS is not set."""
+_PIPED_WIDTH = 120  # characters in a line of tables, without a terminal and without COLUMNS
 
 
 @dataclass
@@ -119,9 +118,9 @@ def print_result(result: "Facts | str", stream: IO[str] | None = None) -> None:
     elif isinstance(result, str):
         console.print(result, soft_wrap=True)
     else:
-        screen = Screen(console.options.max_width, not _is_piped(stream), run.quiet, run.verbose)
-        for part in drawn(result, screen):
-            console.print(part, soft_wrap=not screen.wraps or isinstance(part, str))
+        width, wraps = console.options.max_width, not _is_piped(stream)
+        for part in drawn(result, Screen(width, wraps, quiet=run.quiet, details=run.verbose)):
+            console.print(part, soft_wrap=isinstance(part, str) or not wraps)  # str: to be copied
 
 
 def _show_page(text: PageText) -> None:

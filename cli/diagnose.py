@@ -40,7 +40,7 @@ def diagnose(
     *,
     vehicle: Car,
     out: Path = option("Write diagnosis, model and report here.", "DIR", writes="folder"),
-    holdout: list[Path] = option("Logs to confirm it on.", "LOG...", "--holdout"),
+    holdout: list[Path] = option("Logs to confirm the effect on.", "LOG...", "--holdout"),
     effect: OwnEffects,
     channel_map: Map,
     workers: Workers,

@@ -28,19 +28,20 @@ class Shape:
     single: Annotated[bool, option(_SINGLE, None, "--float")]
     double: Annotated[bool, option(_DOUBLE)]
 
-    def precision(self, code: bool = False) -> "Precision | None":
-        """Return the typed precision, or None for the full table. C ``code`` needs a precision."""
+    def precision(self, *, needs_code: bool) -> "Precision | None":
+        """Return the typed precision; if none was typed, None, or the default of C code."""
         from calib.base.errors import ExchangeError
         from calib.table.exported import Precision
 
         if self.double and (self.single or self.bits):
             raise usage_error("not beside --float or --fixed-point", "--double")
-        if self.points is None and self.bits is None and not (self.single or code):
+        is_typed = self.points is not None or self.bits is not None or self.single
+        if not (is_typed or needs_code):
             return None
-        is_single_by_default = code and not self.double and self.bits is None
-        single = self.single or is_single_by_default
+        # code is in single precision, if no other was typed
+        single = self.single or (needs_code and not self.double and self.bits is None)
         with at_option("--points, --fixed-point, --float", ExchangeError):
-            return Precision(self.points, self.bits, single, code)
+            return Precision(self.points, self.bits, single, needs_code)
 
 
 @command(
@@ -77,15 +78,15 @@ def export(
     stored = store.load(table) if unreleased else store.released(table)
     signed.check(table, stored)
     kind = (form or "").lower()
-    _check_out(out, stored, prefix, is_folder=kind == FOLDER)
-    choices: dict[str, Any] = {"elf": elf, "unreleased": unreleased}
-    choices["without_effects"] = without_effect
-    if kind not in CODES and (sample_time is not None or compiled):
+    is_code, is_folder = kind in CODES, kind == FOLDER  # an FMU is code in one file
+    _check_out(out, stored, prefix, is_folder=is_folder)
+    choices: Any = {"elf": elf, "unreleased": unreleased, "without_effects": without_effect}
+    if not is_code and (sample_time is not None or compiled):
         raise usage_error(f"only with --format {', '.join(CODES)}", "--sample-time, --compiled")
     written: Any
     with at_option(None, ExchangeError), writing(out):
-        if kind in CODES:
-            precision = shape.precision(kind == FOLDER) or Precision()
+        if is_code:
+            precision = shape.precision(needs_code=is_folder) or Precision()
             of_logs = stored.table.provenance.sample_time
             step = of_logs if sample_time is None else sample_time
             if step is None:
@@ -145,7 +146,7 @@ def merge(
 ) -> Answer:
     """Store the mean of several cars as a golden table.
 
-    It has the spread between them; its bands are those of one more car of the model.
+    The table has the spread between the cars, and the bands of one more car of the model.
     """
     from calib.show.store import merged, merged_document
     from calib.store.merge import merge as mean_of

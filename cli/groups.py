@@ -76,4 +76,4 @@ def group(name: str, text: str, *examples: str, cls: Any = Group, **more: Any) -
 
 def example(*lines: str) -> str:
     """Return the end of a help text, with ``lines`` that run in the folder of the demo."""
-    return "\n".join(("\b", "Example:", *(f"  {line}" for line in lines)))
+    return "\n".join(("\b", "Example:", *(f"  {line}" for line in lines)))  # \b keeps the lines

@@ -86,9 +86,9 @@ def log(
             whole = in_si(whole)
         for name in channel:
             names = [column.name for column in whole.columns]
-            require_known(name, names, "column ", "--channel")
+            require_known(name, names, "column", "--channel")
         part = whole.only(channel) if channel else whole
-        if out is not None and write is not None:
+        if out is not None and write is not None:  # the only log is converted
             write_file(out, write(part))
             for note in part.notes:
                 say(f"{part.source}: {note}")
@@ -105,12 +105,12 @@ def log(
 def _draw(
     log: "WholeLog", columns: "tuple[Inventory, ...]", events: "tuple[RunEvent, ...]", out: Path
 ) -> None:
-    from calib.show.log import MOST, log_facts, log_sheet, panels_of
+    from calib.show.log import MAX_PANELS, log_facts, log_sheet, panels_of
     from calib.show.sheet import render
 
     count, ending = len(panels_of(log)), out.suffix.lower()
-    if not 0 < count <= MOST:
-        raise usage_error(f"{count} panels; 1 to {MOST} can be drawn: choose columns", "--channel")
+    if not 0 < count <= MAX_PANELS:
+        raise usage_error(f"{count} panels; draw 1 to {MAX_PANELS}: choose columns", "--channel")
     if ending in PAGES:
         write_page(out, log_facts(log, columns, events))
     else:

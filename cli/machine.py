@@ -80,7 +80,8 @@ def demo(
     with progress(f"running {len(STEPS)} commands in {out}", len(STEPS)) as advance:
         for step in STEPS:
             answer, code = _run(out, step.line)
-            result = results[step] = Ran(answer, code == 0 and step.expected in answer)
+            result = Ran(answer, code == 0 and step.expected in answer)
+            results[step] = result
             if not step.figure or not result.passed:
                 failed = "" if result.passed else "FAILED: "
                 say(f"\n{step.purpose}\n  {step.line}\n  {failed}{result.answer}")

@@ -16,8 +16,7 @@ from cli.console import STOP_SIGNALS, begin_run, print_error, print_json, say, t
 from cli.groups import Group, Row, add, group
 from cli.streams import NotWritten, delivered
 
-_UsageError: Any = typer.BadParameter.__base__
-"""The error of typer for a wrong command line. typer exports only the one for a wrong value."""
+_UsageError: Any = typer.BadParameter.__base__  # for a wrong command line; typer does not export it
 
 _SUBJECTS = {
     "One car": {
@@ -56,13 +55,17 @@ _SUBJECTS = {
 }
 """Commands by subject: the place "MODULE:FUNCTION", and the first sentence of the help."""
 
+
+def _name_at(place: str) -> str:
+    return place.partition(":")[2].rstrip("_")
+
+
 _ROWS = [
-    Row(subject, place.partition(":")[2].rstrip("_"), summary)
+    Row(subject, _name_at(place), summary)
     for subject, summaries in _SUBJECTS.items()
     for place, summary in summaries.items()
 ]
-_PLACES = {place.partition(":")[2].rstrip("_"): place for x in _SUBJECTS.values() for place in x}
-"""The place of each command, by its name."""
+_PLACES = {_name_at(place): place for summaries in _SUBJECTS.values() for place in summaries}
 
 
 class Commands(Group):
@@ -75,8 +78,8 @@ class Commands(Group):
     def get_command(self, ctx: Any, name: str) -> Any:
         """Return the command of a name, None for an unknown name; ``explain`` is ``manual``."""
         name = "manual" if name == "explain" else name
-        # for an unknown name all commands are imported, so that typer can suggest one
-        for known in [name] if name in _PLACES else _PLACES:
+        wanted = [name] if name in _PLACES else [*_PLACES]  # all: typer can then suggest one
+        for known in wanted:
             if known not in self.commands:
                 self.commands[known] = _load(known)
         return super().get_command(ctx, name)
@@ -104,10 +107,7 @@ app = group(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
-_INTERRUPTED = 130
-"""Exit code after Ctrl-C and SIGTERM, as `typer` gives it."""
-_OBJECTS_PER_COLLECTION = 100_000
-"""Number of new objects after which CPython looks for garbage, 700 by default."""
+_INTERRUPTED = 130  # exit code after Ctrl-C and SIGTERM, as typer gives it
 
 
 def _print_version(is_wanted: bool) -> None:
@@ -137,7 +137,7 @@ def main() -> None:
         # arrays are small here: threads of the linear algebra take more time than they save
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
     # a command makes little garbage, and would spend a tenth of its time on looking for it
-    gc.set_threshold(_OBJECTS_PER_COLLECTION)
+    gc.set_threshold(100_000)  # new objects until CPython looks, 700 by default
     begin_run()
     for number in STOP_SIGNALS:
         if signal.getsignal(number) != signal.SIG_IGN:  # a shell ignores them in the background
@@ -210,7 +210,8 @@ def _usage(error: Any) -> UsageError:
         meaning = parameter.help[:1].lower() + parameter.help[1:].removesuffix(".")
         name = parameter.metavar
         if parameter.param_type_name == "option":
-            name, meaning = parameter.opts[0], f"{name} ({meaning})"
+            meaning = f"{parameter.metavar} ({meaning})"
+            name = parameter.opts[0]
         where = where or name
     problem, expected = error.message.removesuffix("."), ""
     if hasattr(error, "param_type"):  # typer's MissingParameter

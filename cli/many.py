@@ -116,17 +116,19 @@ def batch(
     if inputs.workers is not None and scheduler is not None:
         raise usage_error("not beside --scheduler, which has its own workers", "--workers")
     job, out = inputs.job(command), inputs.out
-    workers = Cluster(scheduler) if scheduler else Pool(inputs.workers or cores())
-    say(f"{command.value} on {counted(workers.workers, 'worker')}")
-    with closing(workers) as executor, progress() as step, writing(out):
+    executor = Cluster(scheduler) if scheduler else Pool(inputs.workers or cores())
+    say(f"{command.value} on {counted(executor.workers, 'worker')}")
+    with closing(executor), progress() as step, writing(out):
 
         def show_progress(run: "BatchRun") -> None:
             step(f"{run.finished} of {run.total} logs", run.finished, run.total)
 
         result = run_batch(job, logs, out, executor, show_progress)
-    code = FAILED if result.counts[Status.FAILED] > 0 else 0
+    code = 0
     if result.counts[Status.ERROR] == result.finished:
         code = UNREADABLE
+    elif result.counts[Status.FAILED] > 0:
+        code = FAILED
     counts = ", ".join(f"{n} {status}" for status, n in sorted(result.counts.items()))
     text = f"{counted(result.finished, 'log')}: {counts}; {result.results}"
     return Answer(result.document(), text, code)
@@ -175,17 +177,17 @@ def _stop_event() -> Iterator[Event]:
     stop = Event()
     usual_handlers = {number: signal.getsignal(number) for number in STOP_SIGNALS}
 
-    def set_and_restore(*_signal: object) -> None:
+    def stop_and_restore(*_signal: object) -> None:
         stop.set()
         for number, handler in usual_handlers.items():
             signal.signal(number, handler or signal.SIG_DFL)
 
     for number in usual_handlers:
-        signal.signal(number, set_and_restore)
+        signal.signal(number, stop_and_restore)
     try:
         yield stop
     finally:
-        set_and_restore()
+        stop_and_restore()  # only to restore: nobody reads the event after this
 
 
 @command(
@@ -214,7 +216,7 @@ def fleet(
 
     if results.is_dir():
         if out:
-            raise usage_error("not beside a DIR, whose pages are written into it", "--out")
+            raise usage_error("not with a DIR: the pages are written into this folder", "--out")
         with writing(results, "DIR"):
             number = write_index(results)
         if number == 0:

@@ -60,22 +60,22 @@ def map_(
         suggested = suggest(source, str(log), user_specified=take, radii=radii)
     proposal = try_on_log(suggested, log, channel_map)
     toml = to_toml(proposal, channel_map, None if out is None else out.absolute().parent)
-    is_certain = not proposal.doubts and bool(proposal.proposals)
-    if is_certain and out is not None:
+    has_map = not proposal.doubts and bool(proposal.proposals)
+    if has_map and out is not None:
         write_file(out, sealed(toml), kind="map")
     if not this_run().quiet:
         print_result(Facts(rows=list(to_lines(proposal))), sys.stderr)
     for doubt in proposal.doubts:
         print_error(f"{doubt.channel}: {doubt}")
-    if not proposal.doubts and not is_certain:
+    if not proposal.doubts and not has_map:
         print_error(f"{log}: no column is a channel; name them: --take CHANNEL=NAME")
-    if is_certain and proposal.missing:
+    if has_map and proposal.missing:
         missing = ", ".join(proposal.missing)
         print_error(f"{log}: {missing} missing; a table needs it: log it, or name it with --take")
     record = {"certain": not proposal.doubts} | asdict(proposal)
     record["left"] = record.pop("unused")  # scripts know the unused columns by this key
-    record["toml"] = toml if is_certain else None
-    if not is_certain:
+    record["toml"] = toml if has_map else None
+    if not has_map:
         return Answer(record, "", UNREADABLE)
     text = toml.rstrip("\n") if out is None else ""
     return Answer(record, text, FAILED if proposal.missing else 0)

@@ -1,7 +1,8 @@
-"""Options and arguments: how each is typed, and to what its value is converted for a command.
+"""Options and arguments of the commands, and the conversion of what is typed.
 
-The annotation of a parameter is the type that the command gets. If a path is typed and converted to
-another type, the annotation is quoted, so that this type need not be imported.
+The annotation of a parameter is the type of the value that the command gets. A quoted annotation
+says that the path of a file is typed, and converted to a type that is not imported here. Options
+that several commands share are at the end.
 """
 
 from collections.abc import Callable, Collection, Mapping
@@ -25,8 +26,7 @@ if TYPE_CHECKING:
 
 LIMITS_OF_STOPS = "calib.line.station.limits_file:limits_of_stops"
 NO_VEHICLE = 'give --vehicle V.toml, or write vehicle = "V.toml" into brake-cal.toml'
-_MAX_LISTED = 60
-"""Largest number of known names that the message on an unknown name lists."""
+_MAX_LISTED = 60  # largest number of known names that the message on an unknown name lists
 Make = Callable[[Any], Any] | str
 """A conversion: a function, or "module:NAME" of a function that is imported when it is used."""
 
@@ -51,8 +51,8 @@ def option(text: str, metavar: str | None = None, *flags: str, **more: Any) -> A
     Parameters
     ----------
     flags : spellings of the option, if they do not follow from the name of its parameter.
-    more : fields of `Extra`, where ``make`` is a `Make`; parameters of typer.Option; ``names``,
-        the "module:NAME" of the known values. A shell completes them, other values are refused.
+    more : fields of `Extra`, where ``make`` is a `Make`, and parameters of typer.Option. ``names``
+        is the "module:NAME" of all known values: a shell completes them, others are refused.
     """
     typer_option: Any = typer.Option  # its types take the first flag for a default
     return _declared(partial(typer_option, *flags), text, metavar, flags=flags, **more)
@@ -106,7 +106,7 @@ def names_at(place: str) -> list[str]:
 
 
 def require_known(
-    written: str, names: Collection[str], noun: str = "", option: str | None = None
+    written: str, names: Collection[str], noun: str = "name", option: str | None = None
 ) -> str:
     """Return the name of ``names`` that was written, ignoring case. Refuses an unknown name.
 
@@ -122,7 +122,7 @@ def require_known(
     advice = did_you_mean(written, names)
     if not advice and len(names) <= _MAX_LISTED:
         advice = f"known: {', '.join(names)}"
-    problem = f"unknown {noun}{written!r}"
+    problem = f"unknown {noun} {written!r}"
     raise usage_error(f"{problem}; {advice}" if advice else problem, option)
 
 
@@ -158,7 +158,7 @@ def in_si(unit: str, written: str) -> float:
         return quantity(written, unit, None, InputError)
 
 
-def words(written: str) -> str:
+def not_empty(written: str) -> str:
     """Return the text that was written. Refuses an empty text."""
     if not written.strip():
         raise usage_error("is empty")
@@ -170,9 +170,6 @@ def _version(table: str) -> str:
     if "@" not in table:
         raise usage_error(f"{table!r} names no version; expected {table}@N, with its number")
     return table
-
-
-# Options and arguments that several commands share.
 
 
 def limits(text: str, make: str, always: bool = True, **more: Any) -> Any:
@@ -225,7 +222,7 @@ Workers = Annotated[
 ]
 _BY = "Name of who decides, else that of the settings, or the user of this computer."
 By = Annotated[str | None, option(_BY, "NAME", setting="by")]
-Reason = Annotated[str, option("Reason, for the journal.", "TEXT", make=words)]
+Reason = Annotated[str, option("Reason, for the journal.", "TEXT", make=not_empty)]
 TABLE = "Name, name@version or path of a version."
 Table = Annotated[str, argument(TABLE, "TABLE")]
 Version = Annotated[str, argument("Version: name@version.", "TABLE@N", make=_version)]

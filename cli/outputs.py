@@ -18,8 +18,7 @@ from cli.console import say, this_run, usage_error
 OUT = "--out"
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)  # the last: the device fails
 PAGES = (".html", ".htm")
-EITHER = "either"
-"""Kind of an output that is a file or a folder; another option says which."""
+EITHER = "either"  # kind of an output that is a file or a folder; another option says which
 
 
 def check_file(out: Path, kind: str = "", option: str = OUT) -> None:
@@ -52,7 +51,7 @@ def _test_of_ours(out: Path, kind: str = "") -> Callable[[bytes], bool] | None:
     from calib.show.html import is_page
     from calib.show.sheet import ENDINGS, is_picture
 
-    # the name of a true value is in each simulated log
+    # a simulated log has columns of true values, named true_...
     by_kind = {"simulation": lambda data: b"true_" in data, "map": _is_sealed}
     by_ending = dict.fromkeys(PAGES, is_page) | dict.fromkeys(ENDINGS, is_picture)
     return by_ending.get(out.suffix.lower()) or by_kind.get(kind)
@@ -90,7 +89,7 @@ def check_folder(out: Path | None, names: Iterable[str]) -> None:
 
 
 def refuse_foreign(out: Path, is_ours: Callable[[bytes], bool], option: str = OUT) -> None:
-    """Refuse to replace a file, unless it is empty, ``is_ours`` of its bytes, or with --force."""
+    """Refuse to replace a file unless it is empty, passes ``is_ours``, or --force was typed."""
     from calib.base.bounded import LOG, read_bounded
 
     try:

@@ -12,8 +12,7 @@ from cli.logs import read_all
 from cli.options import Car, Map, Tables, Workers, in_si, option, require_known
 from cli.outputs import check_folder, write_folder
 
-Quantities = dict[str, float]
-"""Quantities by name, in SI."""
+Quantities = dict[str, float]  # by name, in SI
 
 
 def _quantities(units: dict[str, str], written: str | None) -> Quantities:
@@ -22,7 +21,8 @@ def _quantities(units: dict[str, str], written: str | None) -> Quantities:
     ``units`` has the SI unit of each known name. A plain number of 1 or more lacks its "%".
     """
     values: Quantities = {}
-    for part in written.split(",") if written else ():
+    parts = written.split(",") if written else []
+    for part in parts:
         name, _, text = part.strip().partition(" ")
         if name not in units:
             raise usage_error(f"unknown {name!r}; known: {', '.join(units)}")
@@ -49,7 +49,7 @@ def _sensors(written: str | None) -> frozenset[str]:
 
     sensors = ("v", *WHEEL_PRESSURES)
     names = [name.strip() for name in written.split(",")] if written else []
-    return frozenset(require_known(name, sensors, "sensor ") for name in names)
+    return frozenset(require_known(name, sensors, "sensor") for name in names)
 
 
 @command(
@@ -74,8 +74,8 @@ def plan(
 ) -> Answer:
     """Say which runs make the torque better known, before they are driven.
 
-    Cars as the vehicle file or the logs of --have tell are simulated and fitted. --report writes a
-    page for the driver. Exit code 1 if what is wanted cannot be had.
+    Cars that agree with the vehicle file and the logs of --have are simulated and fitted. --report
+    writes a page for the driver. Exit code 1 if what is wanted cannot be had.
     """
     from calib.base.processes import cores
     from calib.plan.achieved import DOCUMENT, HalfWidths

@@ -53,17 +53,18 @@ def plot(
     drawn = [*sheets(table, logs, vehicle, limits), *map(of_result, results)]
     if figure is not None:
         for sheet in drawn:
-            require_known(figure, sheet.names, "figure ", "--figure")
+            require_known(figure, sheet.names, "figure", "--figure")
     if out is not None and out.suffix.lower() in PAGES:
         files = [out]
         write_page(out, sheet_facts(drawn, figure))
     else:
         files = _draw(drawn, out, figure)
+    keys = ("kind", "name", "title", "result", "note")
+    documents = []
     for sheet in drawn:
         say(f"{sheet.title}: {', '.join(sheet.names)} (one alone with --figure NAME)")
-    keys = ("kind", "name", "title", "result", "note")
-    documents = [{key: getattr(sheet, key) for key in keys} for sheet in drawn]
-    documents = [x | {"figures": sheet.names} for x, sheet in zip(documents, drawn, strict=True)]
+        document = {key: getattr(sheet, key) for key in keys}
+        documents.append(document | {"figures": sheet.names})
     return Answer({"files": files, "sheets": documents}, "\n".join(map(str, files)))
 
 

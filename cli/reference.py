@@ -30,7 +30,7 @@ def effects(
     if name is None:
         all_cards = [known.card for known in catalogue.values()]
         return Answer({"effects": all_cards}, cards(all_cards))
-    chosen = catalogue[require_known(name, catalogue, "effect ", "NAME")].card
+    chosen = catalogue[require_known(name, catalogue, "effect", "NAME")].card
     return Answer({"effects": [chosen]}, card(chosen))
 
 
@@ -74,15 +74,16 @@ def settings() -> Answer:
         say(message)
     built_in = {"store": STORE, "require_signed": False, "by": user()}
     settings: dict[str, dict[str, object]] = {}
-    cells = []
+    rows = []
     for key, value in project.settings.items():
         source = f"file:{project.file}"
         if value is None:
-            value, source = built_in.get(key), "environment" if key == "by" else "built-in"
+            value = built_in.get(key)
+            source = "environment" if key == "by" else "built-in"
         settings[key] = {"value": value, "source": source}
-        cells.append((key, _written(value), source))
+        rows.append((key, _written(value), source))
     document = {"file": project.file, "searched": project.folders, "settings": settings}
-    return Answer(document, Facts(tables=[Table(("setting", "value", "from"), cells)]))
+    return Answer(document, Facts(tables=[Table(("setting", "value", "from"), rows)]))
 
 
 def _written(value: object) -> str:

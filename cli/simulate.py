@@ -14,8 +14,7 @@ from cli.outputs import writing
 if TYPE_CHECKING:
     from calib.logs.channel_map import ChannelMap
 
-SPEED, RATE = 120 / 3.6, 200.0
-"""First speed of a manoeuvre [m/s] and its samples per second, where none is given."""
+SPEED, RATE = 120 / 3.6, 200.0  # default first speed [m/s] and samples per second
 
 
 def _quantity(si: str, text: str) -> Any:

@@ -10,7 +10,7 @@ from cli import options
 from cli.command import FAILED, Answer, command
 from cli.console import json_text, progress, say, this_run, usage_error
 from cli.logs import read
-from cli.options import argument, option, words
+from cli.options import argument, not_empty, option
 from cli.outputs import check_folder, stems_of, write_file, write_folder, writing
 from cli.sign import Signed
 
@@ -51,7 +51,7 @@ def station(
     coast: list[Path] = option("A coast log; repeatable.", "LOG"),
     further_ramps: list[Path] = option("A further ramp for the fit; repeatable.", "LOG", "--ramp"),
     golden: str | None = option("Golden table of the model.", "TABLE", setting="station.golden"),
-    accept_warnings: str | None = option("Release in spite of warnings.", "REASON", make=words),
+    accept_warnings: str | None = option("Release in spite of warnings.", "REASON", make=not_empty),
     by: options.By,
     identity: Identifiers,
     mass: options.Mass,
@@ -69,6 +69,7 @@ def station(
     0 if every limit holds, with warnings or without, 1 if one does not. With a log that cannot be
     used nothing is stored, refused.json alone is written, and the exit code is 3.
     """
+    from calib.base.digest import file_digest
     from calib.base.plain import counted
     from calib.base.write import work_folder
     from calib.line.station.files import outputs_of, publish_run, why_not_exported
@@ -77,15 +78,18 @@ def station(
     from calib.show.station_page import StationRun, store_and_write
 
     ramps = [ramp, *further_ramps]
+    file = this_run().file("limits")
+    limits_file = f"{file.name}, SHA-256 {file_digest(file)[:16]}" if file else ""
     identification = {name: value for name, value in vars(identity).items() if value is not None}
     stems = stems_of(holdouts, "HOLDOUT")
     if "table" in stems:
         raise usage_error("table is the name of the exported file; rename this hold-out", "HOLDOUT")
-    forms = [] if signed.public else export  # what is stored here is not signed yet
+    forms = [] if signed.public else export  # the new version has no signature yet
     check_folder(out, outputs_of(stems, forms))
     with _refusals_written(out, identification, [*ramps, *coast, *holdouts]):
-        reference = golden_table(store, golden) if golden else None
-        if golden and reference:
+        reference = None
+        if golden:
+            reference = golden_table(store, golden)
             say(f"{reference.id} is {reference.state.description}")
             signed.check(golden, reference)
         task = f"fitting {vehicle.name}, validating on {counted(len(holdouts), 'stop')}"
@@ -102,7 +106,7 @@ def station(
                 golden=reference,
                 accepted=accept_warnings or "",
                 by=by or "",
-                limits_file=_limits_file(),
+                limits_file=limits_file,
             )
         with writing(out), work_folder(out) as work:
             stored, document = store_and_write(outcome, store, forms, work)
@@ -117,14 +121,6 @@ def station(
     return Answer(document, StationRun(outcome, stored), code, out)
 
 
-def _limits_file() -> str:
-    """Return name and digest of the file of limits; "" without such a file."""
-    from calib.base.digest import file_digest
-
-    file = this_run().file("limits")
-    return f"{file.name}, SHA-256 {file_digest(file)[:16]}" if file else ""
-
-
 @contextmanager
 def _refusals_written(out: Path, identity: dict[str, str], logs: list[Path]) -> Iterator[None]:
     """Write into ``out`` the error for which a car cannot be judged, and raise it again."""
@@ -134,7 +130,7 @@ def _refusals_written(out: Path, identity: dict[str, str], logs: list[Path]) -> 
     try:
         yield
     except Exception as error:
-        is_fault_of_program = not hasattr(error, "exit_code")  # usage errors and exits have one
+        is_fault_of_program = not hasattr(error, "exit_code")  # an error that we expect has one
         if this_run().interrupted or not (isinstance(error, InputError) or is_fault_of_program):
             raise
         refusal = error if isinstance(error, InputError) else program_failure(error)

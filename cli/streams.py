@@ -13,8 +13,7 @@ from typing import Any
 
 from calib.base.errors import AnswerError
 
-OUT, ERR = 1, 2
-"""File descriptors of stdout and stderr."""
+OUT, ERR = 1, 2  # file descriptors of stdout and stderr
 
 
 class NotWritten(Exception):
@@ -48,6 +47,7 @@ def _undelivered(failure: NotWritten) -> int:
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, OUT)  # discards what the interpreter flushes at its exit
     cause = failure.__cause__
+    # Windows has EINVAL for a closed pipe
     is_closed_on_windows = sys.platform == "win32" and getattr(cause, "errno", 0) == errno.EINVAL
     if is_closed_on_windows or isinstance(cause, BrokenPipeError):
         os.dup2(nowhere, ERR)

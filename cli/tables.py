@@ -28,12 +28,11 @@ def list_(
     from calib.store.figures import row_of
 
     rows = [row_of(entry) for entry in store.entries(state)]
-    if serial is not None:
-        rows = [row for row in rows if row["serial"].lower() == serial.lower()]
-    if vin is not None:
-        rows = [row for row in rows if row["vin"].lower() == vin.lower()]
-    missing = "such table" if store.snapshot().names else "table"
-    result = listed(rows) if rows else f"{store.folder} holds no {missing}"
+    for key, wanted in (("serial", serial), ("vin", vin)):
+        if wanted is not None:
+            rows = [row for row in rows if row[key].lower() == wanted.lower()]
+    missing = "no such table" if store.snapshot().names else "no table"
+    result = listed(rows) if rows else f"{store.folder} holds {missing}"
     return Answer({"store": store.folder, "tables": rows}, result)
 
 

@@ -75,8 +75,8 @@ def validate(
     if model is not None:
         car = with_effects(car, read_model(model, car))  # pads and tyres stay those of the table
     used_table = replace(stored.table, vehicle=car)
-    precision = shape.precision(code is not None)
-    exported = _exported(used_table, precision) if precision else {}
+    precision = shape.precision(needs_code=code is not None)
+    export_arguments = _exported(used_table, precision) if precision else {}
     runs: list[Log] = []
     results: list[Validation] = []
     task = f"validating {stored.id} ({stored.state.word}) on {counted(len(logs), 'log')}"
@@ -84,7 +84,8 @@ def validate(
         for path in logs:
             run = read(path, channel_map)
             refuse_copy(run, runs)
-            results.append(validate_one(used_table, run, vehicle, limits, mass=mass, **exported))
+            result = validate_one(used_table, run, vehicle, limits, mass=mass, **export_arguments)
+            results.append(result)
             runs.append(run)
             step()
     summary = to_dict(stored, results, precision)

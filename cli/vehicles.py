@@ -46,10 +46,10 @@ def check(files: list[Path] = argument("Vehicle files to check.", "FILE...")) ->
             unreadable.append({"source": path, "error": str(error)})
             print_error(str(error))
             continue
-        warnings, verdict = vehicle_warnings(car), "plausible"
+        warnings = vehicle_warnings(car)
         print_warnings(warnings)
-        if warnings:
-            verdict = f"not plausible: {counted(len(warnings), 'figure')} outside the usual range"
+        count = counted(len(warnings), "figure")
+        verdict = f"not plausible: {count} outside the usual range" if warnings else "plausible"
         details = {"plausible": not warnings, "warnings": list(map(to_dict, warnings))}
         judged.append({"source": path, "vehicle": car.name, **details})
         lines.append(f"{path}: {car.name}: {verdict}")

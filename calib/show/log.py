@@ -37,7 +37,7 @@ _STROKES = {**style.WHEEL_STROKES, "f": style.FRONT, "r": style.REAR}
 _TIME = "time [s]"
 _HEIGHT = 0.72
 """Height of a panel, as in `Sheet.heights`."""
-_ONE_COLUMN, MOST = 8, 24
+_ONE_COLUMN, MAX_PANELS = 8, 24
 """Largest number of panels in a single column, and in a picture."""
 _TITLES = {
     "p_mc": "Pressure of the master cylinder",
@@ -84,10 +84,10 @@ def _cells(column: Inventory) -> tuple[str, ...]:
 
 
 def log_sheet(log: WholeLog, events: Iterable[RunEvent] = ()) -> Sheet:
-    """Return the sheet of a log. Raises ValueError for no panel, or more than `MOST` panels."""
+    """Return the sheet of a log. Raises ValueError for no panel, or more than `MAX_PANELS`."""
     time, groups = log.time, panels_of(log)
-    if not 0 < len(groups) <= MOST:
-        raise ValueError(f"{len(groups)} panels, at most {MOST} can be drawn")
+    if not 0 < len(groups) <= MAX_PANELS:
+        raise ValueError(f"{len(groups)} panels, at most {MAX_PANELS} can be drawn")
     all_events, channels, panels = list(events), channels_log(log), list[Panel]()
     for label, columns in groups.items():
         kind = _kind(columns[0].name)

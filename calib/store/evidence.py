@@ -9,8 +9,7 @@ from calib.base.errors import ExchangeError
 from calib.store.state import Evidence
 from calib.store.version import Stored
 
-CONSISTENT = "consistent, not proved"
-"""Verdict of a validation that passed on logs without true torques and without the speed v."""
+CONSISTENT = "consistent, not proved"  # verdict: passed on logs without true torques and without v
 
 
 def read_evidence(path: Path, stored: Stored) -> tuple[Evidence, str]:

@@ -1,4 +1,4 @@
-"""Figures of a stored table for people: its use, those of a mean, effects, a row of the list."""
+"""Figures of a stored table for people: usability, a mean, effects, a row of `tables list`."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ class _Usability:
     """Whether and where a version may be used in an ECU."""
 
     usable: bool
-    may: str  # yes or no, and the state
+    may: str  # whether it may be used: yes or no, with the state
     decelerations: tuple[float, float]  # range in which the curves are valid [g]
     ends: str  # reason for the end of this range
     next: str  # next step: a command or a sentence
@@ -83,8 +83,8 @@ def mean_figures(table: Table) -> tuple[_MeanFigure, ...]:
     eta, D = table.difference.peak
     pads = level_and_ratio(table.vehicle, table.calibration)
 
-    def figure(name: str, value: float, scatter: Scatter, unit: float = 1.0) -> _MeanFigure:
-        return _MeanFigure(name, value, t95 * scatter.of_mean / unit, scatter.between / unit)
+    def figure(name: str, value: float, scatter: Scatter, scale: float = 1.0) -> _MeanFigure:
+        return _MeanFigure(name, value, t95 * scatter.of_mean / scale, scatter.between / scale)
 
     # the scatter of D is absolute; the others are of logarithms, and so relative already
     return (
@@ -144,7 +144,8 @@ def row_of(entry: StoreEntry) -> ListedVersion:
     row |= {"digest": None, "state": state.word, "date": state.stored_at}
     row |= {"serial": "", "vin": "", "logs": ()}
     row |= {"pads": None, "decelerations": None, "usable": None, "band_width": None}
-    row |= {"verdict": state.verdict, "warnings": 0, "key": None, "flaw": "".join(entry.violations)}
+    row |= {"verdict": state.verdict, "warnings": 0, "key": None}
+    row["flaw"] = "; ".join(entry.violations)
     if stored is not None:
         table, pads = stored.table, stored.table.calibration
         identity = table.provenance.identity

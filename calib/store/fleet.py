@@ -35,7 +35,7 @@ def released_cars(store: Store, vehicle: Vehicle, logs: Collection[str]) -> dict
             used_ramps |= stored.ramp_digests
     if not cars:
         flaw = f"no released table of another car of this model, of {len(snapshot.names)} looked at"
-        expected = f"the vehicle file of {vehicle.name} but its name, no --tyre or --fleet-prior"
+        expected = f"other cars like {vehicle.name}, fitted without --tyre and --fleet-prior"
         do = "release tables of cars of this model, or fit without --fleet-prior"
         raise StoreError(flaw, where=store.folder, expected=expected, do=do)
     return cars

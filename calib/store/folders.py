@@ -82,7 +82,7 @@ def path_of(reference: str) -> Path | None:
     if path.name == RECORD:
         path = path.parent
     has_record = (path / RECORD).is_file()
-    if path.name == reference and not has_record:
+    if path.name == reference and not has_record:  # no folder stands before the name
         return None
     if has_record or any(path.glob("*.parquet")):  # a damaged version may lack its record
         return path
@@ -90,5 +90,5 @@ def path_of(reference: str) -> Path | None:
         f"no {RECORD} in it" if path.is_dir() else "is no directory",
         where=reference,
         expected="name, name@version, or the directory of one version, like v0001",
-        do="give the table first, then the logs" if path.is_file() else "",
+        do="if it is a log: give the table first" if path.is_file() else "",
     )

@@ -27,9 +27,9 @@ from calib.base.write import sync, write_whole
 from calib.store.state import CHANGES, OUTSIDE, Evidence, StateDecision, VersionState, user
 
 JOURNAL, HEAD = "journal.jsonl", "journal.head"
-CRLF = (
-    "its line ends are CRLF, which are not its own: git makes them of a store without the line "
-    "`* -text` in its .gitattributes; add it and check the files out again"
+CRLF_FLAW = (
+    "its line ends are CRLF, not LF as they were written: git changes them in a store without the "
+    "line `* -text` in its .gitattributes; add this line and check the files out again"
 )
 
 STORED, CHANGED = "stored", "changed"  # events: a version is new, its state changes
@@ -141,7 +141,7 @@ class Journal:
             fields = {"digest": history[0].digest, "record": history[0].record}
         empty = dict.fromkeys(("digest", "record", "inputs", "hash", "key"), "")
         document = asdict(decision) | empty | fields
-        del document["automatic"]
+        del document["automatic"]  # no field of a line
         document |= {
             "number": len(self.entries) + 1,
             "at": datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ"),
@@ -192,7 +192,7 @@ def _bytes_if_any(path: Path) -> bytes | None:
 def _entries(text: str) -> list[Entry]:
     """Read the lines; check their chain and the order of states. Raises ValueError."""
     if "\r\n" in text:
-        raise ValueError(CRLF)
+        raise ValueError(CRLF_FLAW)
     if text and not text.endswith("\n"):
         raise ValueError("torn: its last line has no end")
     entries: list[Entry] = []
@@ -235,9 +235,10 @@ def _check_head(entries: list[Entry], head: bytes | None) -> None:
             raise ValueError(f"{HEAD} beside it is missing")
         return
     match = re.fullmatch(rb"([0-9a-f]{64}) ([0-9]{1,18})\s*", head)
-    hashes = [_START, *(entry.hash for entry in entries)]
-    number = int(match[2]) if match else 0
-    if number >= len(hashes):
+    if match is None:
+        raise ValueError(f"{HEAD} beside it is damaged")
+    number, hashes = int(match[2]), [_START, *(entry.hash for entry in entries)]
+    if number > len(entries):
         raise ValueError(f"has {len(entries)} lines, its head names {number}: lines are lost")
-    if match is None or hashes[number] != match[1].decode():
+    if hashes[number] != match[1].decode():
         raise ValueError(f"does not agree with {HEAD}")

@@ -69,7 +69,7 @@ def _mean_curve(
     cars = [[*vars(curve).values()] for curve in curves]  # seven columns each, the axis first
     end = min(float(columns[0][-1]) for columns in cars)
     axis = np.linspace(start, end, max(columns[0].size for columns in cars))
-    values, lower, upper, count, flag, run_share = (  # (k, n) each
+    values, lower, upper, count, flag, run_share = (  # (k, n) each, as in the curve
         np.array([np.interp(axis, columns[0], columns[i]) for columns in cars]) for i in range(1, 7)
     )
     variance = ((upper - lower) / (2.0 * Z95)) ** 2
@@ -80,7 +80,8 @@ def _mean_curve(
     blocks = np.rint(count.sum(axis=0))
     middle_flag = np.ceil(np.median(flag, axis=0))  # of two middle flags the worse
     band = scatter.mean - half_width, scatter.mean + half_width
-    return (axis, scatter.mean, *band, blocks, middle_flag, np.zeros(axis.size)), scatter
+    no_run_share = np.zeros(axis.size)  # as in every mean of cars
+    return (axis, scatter.mean, *band, blocks, middle_flag, no_run_share), scatter
 
 
 def mean_pads(tables: Sequence[Table]) -> tuple[dict[str, Any], RandomEffects]:

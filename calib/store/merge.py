@@ -29,8 +29,7 @@ _MINIMUM, _SUM = ("deceleration_max", "eta_peak_is_real"), ("runs", "outliers")
 """Metrics of a fit whose minimum or sum stands in a mean table; of other metrics, the mean."""
 
 _CAR_MARKS = ("serial", "vin")  # identifiers of one car
-_LEAST_RANGE = 0.5
-"""Least range of eta of a car, over the longest range [1]. The mean ends at the shortest range."""
+_LEAST_RANGE = 0.5  # of eta of a car, over the longest range [1]; the mean ends at the shortest
 _SHARED_REMARK = (
     "what all cars share is in the mean as it is in each of them: mass, geometry and brakes of the "
     "vehicle file, the surface of the track, sensors that are wrong in one way, the method; its "
@@ -122,9 +121,10 @@ def _provenance(parents: Sequence[Stored]) -> Provenance:
     """Return the logs of all cars, and the settings with which all of them were fitted."""
     origins = [parent.table.provenance for parent in parents]
     first, *others = [origin.settings for origin in origins]
+    same = {key: value for key, value in first.items() if all(s.get(key) == value for s in others)}
     return Provenance(
         logs=tuple(dict.fromkeys(log for origin in origins for log in origin.logs)),
-        settings={k: x for k, x in first.items() if all(s.get(k) == x for s in others)},
+        settings=same,
         program=PROGRAM,
         parents=tuple(TableReference(parent.id, parent.digest) for parent in parents),
     )

@@ -31,7 +31,7 @@ _SIGNATURE = re.compile(
     rb"trusted comment: ([^\r\n]*)\r?\n[A-Za-z0-9+/]{86}==\r?\n"
 )
 
-# work and memory [bytes] to try one password, those of minisign: seconds and 1 GiB
+# cost of one try of a password, as in minisign: work of some seconds, memory of 1 GiB [bytes]
 _SCRYPT = {"opslimit": 2**25, "memlimit": 2**30}
 _MAX_OPSLIMIT = 8 * _SCRYPT["opslimit"]  # of a key that is read: half a minute
 _OPSLIMIT = slice(38, 46)  # bytes in a secret key, after three algorithms of 2 and a salt of 32

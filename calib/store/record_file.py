@@ -28,7 +28,7 @@ def _keys(record: type) -> dict[str, tuple[Any, Any]]:
 _VEHICLE = section(
     "_VehicleRecord",
     "The vehicle in a record, with the parameters of its effects from the catalogue.",
-    _keys(Vehicle)
+    _keys(Vehicle)  # two keys differ: both are required, effects are plain numbers
     | {"mass_tolerance": (float, ...), "effects": (dict[str, dict[str, float]], ...)},
 )
 
@@ -44,7 +44,7 @@ Record = section(
     | {
         "vehicle": (_VEHICLE, ...),
         "effects": (dict[str, dict[str, Value]], ...),
-        "empirical": (EmpiricalTerm | tuple[EmpiricalTerm, ...], ()),  # one term is in no list
+        "empirical": (EmpiricalTerm | tuple[EmpiricalTerm, ...], ()),  # one term has no list
         "own_effects": (dict[str, DefinedIn], Field(default_factory=dict)),
     },
     _FiniteNumbers,
@@ -90,8 +90,9 @@ class SummaryFile(FileSchema):
 def table_of(
     record: Any, curves: dict[str, dict[str, Array]], sample_times: Sequence[float | None]
 ) -> Table:
-    """Build the table from its `Record`, its curves and maps, and the sample time of its logs [s].
+    """Build the table from its `Record`, and its curves and maps.
 
+    ``sample_times`` of its logs [s] are no part of the content, and so not in the record.
     Raises KeyError or TypeError if a curve or a column is missing.
     """
     arguments = dict(record)

@@ -40,8 +40,7 @@ class _SeenJournal(NamedTuple):
             is_same_folder = self.place == str(folder.resolve())
             return "another store was seen here before" if is_same_folder else ""
         if len(entries) < self.lines:
-            size = f"its journal has {len(entries)} lines, {self.lines} were seen"
-            return f"an older copy of the store: {size}"
+            return f"an older copy of the store: {len(entries)} lines, {self.lines} were seen"
         if entries[self.lines - 1].hash != self.head:
             return f"its journal went another way: line {self.lines} is not the one that was seen"
         return ""
@@ -78,7 +77,8 @@ class SeenJournals:
             with locked_folder(self.path.parent):
                 current = recall()  # another process may have written the file since
                 earlier = [x for x in current.journals if x[:3] == latest[:3]]  # key, store, place
-                if current.note or any(x.lines >= lines for x in earlier):
+                is_kept = any(x.lines >= lines for x in earlier)
+                if current.note or is_kept:
                     return current.note
                 others = [x for x in current.journals if x not in earlier]
                 document = {"schema": 1, "seen": [x._asdict() for x in (*others, latest)]}

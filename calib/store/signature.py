@@ -135,7 +135,7 @@ def _check_signed_heads(snapshot: Snapshot, public: PublicKey) -> None:
         except (SignatureRefused, OSError):
             continue  # by another key, or damaged: `verify_signed` reports that
         if _HEAD.fullmatch(signature.trusted_comment):
-            _signed_line(snapshot, signature, path)
+            _signed_line(snapshot, signature, path)  # raises if the line is not there
 
 
 def _was_released(snapshot: Snapshot, name: str, version: int) -> bool:

@@ -172,7 +172,7 @@ class Snapshot:
         """Return the newest undamaged version that holds the same table, or None."""
         inputs, digest = inputs_digest(table.content()[0]), table.digest
         for version, history in reversed(self.journal.versions(table.name).items()):
-            # only a table of the same content or inputs can be the same fit, and is read
+            # reading takes time: only a version that may hold the same fit is read
             if history[0].digest == digest or history[0].inputs == inputs:
                 stored = self.entry(table.name, version).stored
                 if stored and is_same_fit(stored.table, table):

@@ -102,7 +102,7 @@ def changes_state(version: str, current: VersionState, decision: StateDecision) 
         return False  # only a person may decide that
     if current.word == decision.state and current.evidence == decision.evidence:
         return False  # the same command was given twice
-    if decision.state not in CHANGES[current.word]:
+    if decision.state not in CHANGES[current.word]:  # the current state is "withdrawn"
         flaw = f"is {current.description}; it stays withdrawn"
         raise StoreError(flaw, where=version, do="fit the car again: a new log makes a new version")
     new_evidence = {file.sha256 for file in decision.evidence} - current.past_evidence

@@ -135,8 +135,8 @@ class Store:
     ) -> tuple[StoreEntry, ...]:
         """Compare the versions of one table, or of all, with digests, invariants and journal.
 
-        Return an entry without its table for each version and each stray. ``examine`` gets each
-        entry while it has its table, and returns the entry with what it adds.
+        Return an entry without its table for each version, and for each folder that the journal
+        does not know. ``examine`` gets an entry while it has its table, and returns it completed.
         """
         with self._unlocked() as snapshot:
             all_names = {*snapshot.names, *names_in(self.folder)}
@@ -240,7 +240,7 @@ def _refuse_same_folder(name: str, names: Sequence[str]) -> None:
 def _tidy(folder: Path, table: str, journal: Journal) -> None:
     """Finish or delete what stopped writers left; the store is locked. Raises OSError."""
     for path in (*folder.glob(".*.new"), *(folder / table).glob(".*.new")):
-        path.unlink(missing_ok=True)
+        path.unlink(missing_ok=True)  # half of a file of `write_whole`
     stored_folders = [folder_of(version) for version in journal.versions(table)]
     for path in unplaced(folder, table):
         final = path.with_name(path.name.removeprefix(NEW_PREFIX))

@@ -26,7 +26,7 @@ from calib.base.viewable import Viewable
 from calib.base.write import sync
 from calib.logs.parquet import numbers, parquet_of, parquet_table
 from calib.store.folders import RECORD
-from calib.store.journal import CRLF, JOURNAL
+from calib.store.journal import CRLF_FLAW, JOURNAL
 from calib.store.state import NOT_STORED, OUTSIDE, UNJUDGED, VersionState
 from calib.table.maps import UNITS
 from calib.table.table import COLUMNS, Table
@@ -101,7 +101,7 @@ def read_version(path: Path, expected_id: str | None = None) -> Stored:
 
     data = _bytes(path / RECORD)
     if b"\r\n" in data:
-        raise damaged(CRLF)
+        raise damaged(CRLF_FLAW)
     try:
         file = validated(data, RecordFile, None, StoreError)
         record = json.loads(data)["record"]
@@ -139,11 +139,7 @@ def _curve_bytes(columns: dict[str, Array]) -> bytes:
 
 
 def _record_bytes(
-    record: dict[str, Any],
-    digest: str,
-    version: int,
-    files: dict[str, str],
-    sample_times: list[float | None],
+    record: Any, digest: str, version: int, files: dict[str, str], sample_times: list[float | None]
 ) -> bytes:
     """Return the content of a record file.
 
@@ -152,7 +148,9 @@ def _record_bytes(
     parents = []
     for log, time in zip(record["provenance"]["logs"], sample_times, strict=True):
         parent = {"name": log["name"], "digest": log["digest"]}
-        parents.append(parent | {"sample_time": time} if time else parent)
+        if time:
+            parent["sample_time"] = time
+        parents.append(parent)
     document = {
         "id": f"{record['name']}@{version}",
         "version": version,

@@ -8,7 +8,7 @@ import pytest
 from calib.logs.whole import WholeColumn, WholeLog
 from calib.run.events import BITES, BRAKING, RunEvent
 from calib.show import log
-from calib.show.log import MOST, log_sheet
+from calib.show.log import MAX_PANELS, log_sheet
 from tests.support.plot_lines import line, panel
 
 
@@ -53,6 +53,6 @@ def test_events_are_marked_in_every_panel():
 
 
 def test_too_many_columns_are_refused():
-    many = tuple(WholeColumn(f"x{i}", "bar", TIME) for i in range(MOST + 1))
-    with pytest.raises(ValueError, match=f"at most {MOST}"):
+    many = tuple(WholeColumn(f"x{i}", "bar", TIME) for i in range(MAX_PANELS + 1))
+    with pytest.raises(ValueError, match=f"at most {MAX_PANELS}"):
         log_sheet(WholeLog("run", "here", "", (COLUMNS[0], *many)))
