@@ -6,7 +6,9 @@ import pandas as pd
 import pyarrow.parquet as pq
 import pytest
 
+from calib.base.digest import sha256
 from calib.base.errors import DamagedTable
+from calib.store.version import read_version
 from tests.support.tables import made_table
 
 
@@ -45,9 +47,17 @@ def of_record(change):
     return damage
 
 
-def twice(version):
+def key_twice(version):
     path = version / "record.json"
     path.write_text(path.read_text().replace('"version": 1', '"version": 1, "version": 1'))
+
+
+def column_twice(version):
+    """Append the last column once more, and write the new digest of the file into the record."""
+    path, record = version / "tyre.parquet", version / "record.json"
+    digest, table = sha256(path.read_bytes()), pq.read_table(path)
+    pq.write_table(table.append_column(table.field(-1), table.column(-1)), path)
+    record.write_text(record.read_text().replace(digest, sha256(path.read_bytes())))
 
 
 DAMAGE = {
@@ -55,7 +65,8 @@ DAMAGE = {
     "the end of a file": lambda v: cut(v / "tyre.parquet", -9),
     "a missing curve": lambda v: (v / "difference.parquet").unlink(),
     "a missing record": lambda v: (v / "record.json").unlink(),
-    "a key given twice": twice,
+    "a key given twice": key_twice,
+    "a column given twice": column_twice,
     "another spelling": lambda v: (v / "record.json").write_bytes(
         (v / "record.json").read_bytes() + b"\n"
     ),
@@ -73,6 +84,8 @@ DAMAGE = {
 @pytest.mark.parametrize("kind", DAMAGE)
 def test_damage_is_found(path, store, kind):
     DAMAGE[kind](path)
+    with pytest.raises(DamagedTable):
+        read_version(path, "sedan@1")  # without the journal
     with pytest.raises(DamagedTable) as error:
         store.load("sedan@1")
     assert error.value.exit_code == 4
