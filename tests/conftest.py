@@ -81,7 +81,7 @@ def brake_cal(capsys, monkeypatch):
 
 
 @pytest.fixture
-def seen(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def seen_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The file of what was seen of stores, of a user who has seen none."""
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
     return tmp_path / "state" / "brake-cal" / "seen.json"

@@ -68,29 +68,29 @@ def mutated(seeds: list[bytes], chance: random.Random) -> bytes:
     """A seed with one to six changes: bits, bytes, words, numbers, parts cut, moved, doubled."""
     data = bytearray(chance.choice(seeds))
     for _ in range(chance.randint(1, 6)):
-        at = chance.randrange(len(data) + 1)
-        end = min(len(data), at + int(chance.paretovariate(0.7)))
+        start = chance.randrange(len(data) + 1)
+        end = min(len(data), start + int(chance.paretovariate(0.7)))
         match chance.randrange(8):
-            case 0 if at < len(data):
-                data[at] ^= 1 << chance.randrange(8)
-            case 1 if at < len(data):
-                data[at] = chance.randrange(256)
+            case 0 if start < len(data):
+                data[start] ^= 1 << chance.randrange(8)
+            case 1 if start < len(data):
+                data[start] = chance.randrange(256)
             case 2:
-                del data[at:end]
+                del data[start:end]
             case 3:
-                data[at:at] = data[at:end]
+                data[start:start] = data[start:end]
             case 4:
-                data[at:at] = chance.choice(WORDS)
+                data[start:start] = chance.choice(WORDS)
             case 5:
                 word = chance.choice(WORDS)
-                data[at : at + len(word)] = word
+                data[start : start + len(word)] = word
             case 6:
                 kind = chance.choice("BHIQ")
                 size = struct.calcsize(kind)
                 number = chance.choice(NUMBERS) % 256**size
-                data[at : at + size] = struct.pack(f"<{kind}", number)
+                data[start : start + size] = struct.pack(f"<{kind}", number)
             case 7 if chance.random() < 0.3:
-                del data[at:]
+                del data[start:]
     return bytes(data)
 
 

@@ -67,19 +67,19 @@ def parsed(file: Path) -> ast.Module:
 @cache
 def imported(file: Path) -> list[str]:
     """Modules of the project that ``file`` imports, at its top or inside functions."""
-    found = []
+    modules = []
     for node in ast.walk(parsed(file)):
         if isinstance(node, ast.Import):
-            found += [alias.name for alias in node.names]
+            modules += [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"{file}: relative import"
             for alias in node.names:
                 # `from calib.logs import csv` names a module, `from calib.base.names import G` not.
                 inner = CALIB.parent / Path(*f"{node.module}.{alias.name}".split("."))
                 deeper = inner.with_suffix(".py").is_file() or inner.is_dir()
-                found.append(f"{node.module}.{alias.name}" if deeper else str(node.module))
+                modules.append(f"{node.module}.{alias.name}" if deeper else str(node.module))
                 assert deeper or node.module != "calib", f"{file}: {alias.name} through the root"
-    return [m for m in found if m.split(".")[0] in ("calib", "cli", "tests")]
+    return [m for m in modules if m.split(".")[0] in ("calib", "cli", "tests")]
 
 
 def module_of(file: Path) -> str:
@@ -109,9 +109,9 @@ def test_imports_go_downhill():
 @pytest.mark.parametrize("name", INSIDE)
 def test_imports_go_downhill_inside_a_room(name):
     for file in (f for f in FILES if f.parts[1] == name and f.name != "__init__.py"):
-        here = INSIDE[name].index(folder(module_of(file)))
+        floor = INSIDE[name].index(folder(module_of(file)))
         for other in (m for m in imported(file) if room(m) == name):
-            assert INSIDE[name].index(folder(other)) <= here, f"{file} imports {other}"
+            assert INSIDE[name].index(folder(other)) <= floor, f"{file} imports {other}"
 
 
 def test_no_circle():

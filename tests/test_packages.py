@@ -13,12 +13,12 @@ ROOT = Path(__file__).parents[1]
 def test_every_package_of_the_checkout_is_installed():
     with (ROOT / "pyproject.toml").open("rb") as file:
         listed = tomllib.load(file)["tool"]["setuptools"]["packages"]
-    there = {
+    packages = {
         ".".join(init.relative_to(ROOT).parts[:-1])
         for top in ("calib", "cli")
         for init in (ROOT / top).rglob("__init__.py")
     }
-    assert {name for name in listed if name != "calib.help.sample_logs"} == there
+    assert {name for name in listed if name != "calib.help.sample_logs"} == packages
 
 
 def test_every_table_of_data_is_installed():

@@ -105,8 +105,8 @@ def run(code, folder):
 
 @pytest.mark.skipif(sys.platform != "linux", reason="looks for open files in /proc")
 def test_every_module_is_imported_without_what_windows_lacks(tmp_path):
-    done = run(IMPORTS, tmp_path)
-    assert done.stdout.strip() == "imported", done.stderr
+    ran = run(IMPORTS, tmp_path)
+    assert ran.stdout.strip() == "imported", ran.stderr
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="looks for open files in /proc")
@@ -115,9 +115,9 @@ def test_fit_validate_release_and_export_without_what_windows_lacks(tmp_path):
     code = RUNS.replace("VEHICLE", str(logs / "vehicle.toml")).replace("CAR", "sedan-sim")
     code = code.replace("RAMP", str(logs / "ramp_noisy.parquet"))
     code = code.replace("STOP", str(logs / "stop_noisy.parquet"))
-    done = run(code, tmp_path)
-    assert done.returncode == 0, done.stderr
-    assert "in use:" not in done.stderr
+    ran = run(code, tmp_path)
+    assert ran.returncode == 0, ran.stderr
+    assert "in use:" not in ran.stderr
     assert (tmp_path / "car.csv").is_file()
     hidden = [p for p in tmp_path.rglob(".*") if p.name != ".gitattributes"]
     assert hidden == []

@@ -55,9 +55,9 @@ def finite(text: str) -> float:
 def test_it_has_a_finite_answer_or_is_refused_in_a_line(brake_cal, tmp_path, log, command):
     path = tmp_path / "any.csv"
     log.to_csv(path, index=False)
-    of = ("sedan-2up",) if command == "validate" else ()
+    table = ("sedan-2up",) if command == "validate" else ()
     store = ("--store", tmp_path / "new") if command == "fit" else ()
-    ran = brake_cal(command, *of, path, *COMMANDS[command], *store, "--json")
+    ran = brake_cal(command, *table, path, *COMMANDS[command], *store, "--json")
     document = json.loads(ran.out, parse_constant=finite)
     assert "Traceback" not in ran.err
     if ran.code == 1:  # a verdict, and no crash

@@ -41,14 +41,14 @@ def test_help(brake_cal, monkeypatch, path):
     monkeypatch.setenv("COLUMNS", "80")
     ran = brake_cal(*path, "--help")
     assert (ran.code, ran.err) == (0, "")
-    before, _, examples = ran.out.partition("  Example:\n")
-    assert " ".join(("Usage: brake-cal", *path)) in before
+    text, _, examples = ran.out.partition("  Example:\n")
+    assert " ".join(("Usage: brake-cal", *path)) in text
     assert examples.strip()
     assert all(line.strip().startswith("brake-cal ") for line in examples.strip().splitlines())
-    inner = {one[-1]: command for one, command in EVERY.items() if one[:-1] == path}
+    inner = {words[-1]: command for words, command in EVERY.items() if words[:-1] == path}
     for name, command in inner.items():
-        assert f"\n  {name} " in before
-        assert first_sentence(command.help) in " ".join(before.split())
+        assert f"\n  {name} " in text
+        assert first_sentence(command.help) in " ".join(text.split())
     options = {o for p in (EVERY[path] if path else GROUP).params for o in p.opts}
     assert ({"-q", "-v", "--json"} <= options) == (path in COMMANDS)
 
@@ -62,7 +62,7 @@ def test_what_is_typed_wrong_ends_with_2_and_one_document(brake_cal, path):
 
 
 @pytest.mark.parametrize(
-    ("words", "meant"),
+    ("words", "suggestion"),
     [
         (("tabels",), "'tables'"),
         (("effects", "pad_fade"), "'pad_thermal_fade'"),
@@ -70,10 +70,10 @@ def test_what_is_typed_wrong_ends_with_2_and_one_document(brake_cal, path):
         (("batch", "validat", "x", "--out", "y"), "'validate'"),
     ],
 )
-def test_a_misspelt_name_is_answered_with_the_one_that_is_meant(brake_cal, words, meant):
+def test_a_misspelt_name_is_answered_with_a_suggestion(brake_cal, words, suggestion):
     ran = brake_cal(*words)
     assert (ran.code, ran.out) == (2, "")
-    assert meant in ran.err
+    assert suggestion in ran.err
 
 
 @pytest.mark.parametrize(
@@ -84,9 +84,7 @@ def test_a_misspelt_name_is_answered_with_the_one_that_is_meant(brake_cal, words
         (StoreError("w", do="mend"), "store", 4),
     ],
 )
-def test_an_error_is_a_line_on_stderr_a_document_and_an_exit_code(
-    brake_cal, monkeypatch, error, kind, code
-):
+def test_an_error_is_a_line_a_document_and_a_code(brake_cal, monkeypatch, error, kind, code):
     def fail(self, state):
         raise error
 
@@ -134,10 +132,10 @@ def test_a_foreign_file_is_replaced_with_force_only(brake_cal, tmp_path, name):
     ran = brake_cal(*words)
     assert (ran.code, ran.result, out.read_text()) == (2, "", "mine")
     assert brake_cal(*words, "--force").code == 0
-    made = out.read_bytes()
-    assert made != b"mine"
+    content = out.read_bytes()
+    assert content != b"mine"
     assert brake_cal(*words).code == 0  # our own, once more
-    assert out.read_bytes() == made
+    assert out.read_bytes() == content
     out.unlink()
     out.mkdir()
     assert brake_cal(*words, "--force").code == 2
@@ -171,11 +169,11 @@ def test_no_output_replaces_an_input(brake_cal, tmp_path, name):
         log.write_bytes(source.read_bytes())
     else:
         assert brake_cal("log", source, "--out", log).code == 0
-    before = log.read_bytes()
+    content = log.read_bytes()
     words = {
         "log": ("log", log, "--force", "--out", log),
         "station": ("station", RAMP, log, *CAR, "--out", tmp_path),
     }[name]
     ran = brake_cal(*words)
     assert (ran.code, ran.result) == (2, "")
-    assert log.read_bytes() == before
+    assert log.read_bytes() == content

@@ -70,10 +70,10 @@ def test_quiet_prints_the_verdict_and_verbose_tells_more(brake_cal, tmp_path):
     ],
 )
 def test_a_bar_is_drawn_on_a_terminal_that_can_show_one(tmp_path, environment, bar, colour):
-    out, seen = on_a_terminal(("check", SEDAN / "coast.csv", "--json"), tmp_path, **environment)
+    out, screen = on_a_terminal(("check", SEDAN / "coast.csv", "--json"), tmp_path, **environment)
     assert len(json.loads(out)["logs"]) == 1
-    assert ("\u2501" in seen) == bar
-    assert bool(re.search(r"\x1b\[[\d;]*3[0-9]m", seen)) == colour
+    assert ("\u2501" in screen) == bar
+    assert bool(re.search(r"\x1b\[[\d;]*3[0-9]m", screen)) == colour
 
 
 def on_a_terminal(words, folder, **variables):
@@ -90,12 +90,12 @@ def on_a_terminal(words, folder, **variables):
         stderr=theirs,
     )
     os.close(theirs)
-    seen = b""
+    screen = b""
     try:
         while part := os.read(ours, 4096):
-            seen += part
+            screen += part
     except OSError:  # how Linux says that nobody is left on the other side
         pass
     os.close(ours)
     out, _ = ran.communicate()
-    return out.decode(), seen.decode()
+    return out.decode(), screen.decode()

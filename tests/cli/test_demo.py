@@ -46,16 +46,16 @@ def examples() -> list[str]:
     """Every line that a help text prints as an example, but the demo itself."""
 
     def lines(command) -> list[str]:
-        own = re.findall(r"^ *(brake-cal .*)$", command.epilog or "", re.MULTILINE)
+        in_epilog = re.findall(r"^ *(brake-cal .*)$", command.epilog or "", re.MULTILINE)
         inner = command.list_commands(None) if isinstance(command, Group) else []
-        return own + [x for name in inner for x in lines(command.get_command(None, name))]
+        return in_epilog + [x for name in inner for x in lines(command.get_command(None, name))]
 
-    found = lines(typer.main.get_command(app))
     # a gauge study needs ramps of several cars, which the samples lack: see test_repeatability.py;
     # a watch does not end by itself: see test_watch.py
     # a mean needs tables of several cars: see test_merge.py
-    left = ("demo", "brake-cal repeatability", "brake-cal watch", "brake-cal tables merge")
-    return sorted({line for line in found if not any(x in line for x in left)}, key=found.index)
+    untested = ("demo", "brake-cal repeatability", "brake-cal watch", "brake-cal tables merge")
+    printed = lines(typer.main.get_command(app))
+    return [*dict.fromkeys(x for x in printed if not any(part in x for part in untested))]
 
 
 def readme_commands() -> list[str]:
@@ -69,9 +69,9 @@ def readme_commands() -> list[str]:
 def test_the_demo_leaves_logs_tables_results_and_figures(demo: Path) -> None:
     folders = {"sample_logs", "tables", "results", "figures", "pages", "diagnosis"}
     assert {p.name for p in demo.iterdir()} == {*folders, "index.html"}
-    found = json.loads((demo / "diagnosis/diagnosis.json").read_text())
+    diagnosis = json.loads((demo / "diagnosis/diagnosis.json").read_text())
     hidden = json.loads((sample_logs() / "hidden/case_2/answer.json").read_text())
-    assert [effect["name"] for effect in found["effects"]] == hidden["effects"]
+    assert [effect["name"] for effect in diagnosis["effects"]] == hidden["effects"]
     for summary in demo.glob("results/*/summary.json"):
         document = json.loads(summary.read_text())
         for log in document["logs"]:
@@ -95,31 +95,31 @@ def test_a_command_of_the_demo_with_another_answer_fails(
     steps = (*STEPS[:2], replace(STEPS[0], expected="another answer"))
     monkeypatch.setattr("calib.help.demo.STEPS", steps)
     assert run(tmp_path, "brake-cal demo --json") == 1
-    said = json.loads(capsys.readouterr().out)["steps"]
-    assert [one["passed"] for one in said] == [True, True, False]
+    answers = json.loads(capsys.readouterr().out)["steps"]
+    assert [answer["passed"] for answer in answers] == [True, True, False]
     assert (tmp_path / "brake-cal-demo/index.html").is_file()
 
 
 @pytest.mark.slow
 def test_the_tables_and_pictures_of_the_repository_are_those_of_the_program(demo: Path) -> None:
-    ours, made = Store(sample_store.STORE), Store(demo / "tables")
-    assert [one.id for one in ours.entries()] == [one.id for one in made.entries()]
-    for one in ours.entries():
-        kept, now = ours.load(one.id).table, made.load(one.id).table
-        assert kept.provenance.logs == now.provenance.logs
+    repository, fresh = Store(sample_store.STORE), Store(demo / "tables")
+    assert [entry.id for entry in repository.entries()] == [entry.id for entry in fresh.entries()]
+    for entry in repository.entries():
+        expected, actual = repository.load(entry.id).table, fresh.load(entry.id).table
+        assert expected.provenance.logs == actual.provenance.logs
         for part in ("paper", "tyre", "level_map", "map"):
-            for name, values in vars(getattr(kept, part)).items():
-                found = getattr(getattr(now, part), name)
+            for name, values in vars(getattr(expected, part)).items():
+                computed = getattr(getattr(actual, part), name)
                 scale = np.max(np.abs(values))
-                assert found == pytest.approx(values, abs=0.02 * scale), (one.id, part, name)
+                assert computed == pytest.approx(values, abs=0.02 * scale), (entry.id, part, name)
     sample_store.draw(demo)
     for name in sample_store.PICTURES:
-        kept, now = (
+        expected, actual = (
             matplotlib.image.imread(path)[..., :3]
             for path in (sample_store.picture(name), demo / "figures" / f"{name}.png")
         )
-        assert kept.shape == now.shape
-        assert np.mean(np.abs(kept - now)) < 0.01, name
+        assert expected.shape == actual.shape
+        assert np.mean(np.abs(expected - actual)) < 0.01, name
 
 
 DEAR = re.compile("brake-cal (batch|diagnose|fleet|plan|qualify|station)")

@@ -74,10 +74,10 @@ def test_a_stated_mass_gives_the_pads_of_a_loaded_car(brake_cal, store, tmp_path
     loaded = tmp_path / "loaded.csv"
     write_csv(noisy(ramp(replace(REAL, mass_scale=1.2)), 1), loaded)
     words = ("fit", loaded, "--vehicle", VEHICLE, "--store", store)
-    told = parsed(brake_cal(*words, "--mass", "2093 kg", "--json"))
+    document = parsed(brake_cal(*words, "--mass", "2093 kg", "--json"))
     mass = {"value": 2093.0, "tolerance": 0.005, "stated": True, "share": 2093.0 / 1744.0}
-    assert told["mass"] == mass
-    assert told["calibration"]["pad_friction_f"]["value"] == pytest.approx(0.38, rel=0.02)
+    assert document["mass"] == mass
+    assert document["calibration"]["pad_friction_f"]["value"] == pytest.approx(0.38, rel=0.02)
     assert brake_cal(*words).code == 0
     pads = Store(store).load(CAR.name).table.calibration.pad_friction_f.value
     assert pads == pytest.approx(0.38 / 1.2, rel=0.02)

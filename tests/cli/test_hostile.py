@@ -28,9 +28,9 @@ Content = bytes | Callable[[Path], bytes | None]
 
 
 def put(path: Path, content: Content) -> None:
-    made = content if isinstance(content, bytes) else content(path)
-    if made is not None:
-        path.write_bytes(made)
+    data = content if isinstance(content, bytes) else content(path)
+    if data is not None:
+        path.write_bytes(data)
 
 
 COMMANDS = {
@@ -203,10 +203,10 @@ CASES = [
 
 
 @pytest.mark.parametrize(("words", "files", "code"), CASES)
-def test_it_is_told_in_one_line(words, files, code, request, brake_cal, tmp_path, monkeypatch):
+def test_it_is_answered_in_one_line(words, files, code, request, brake_cal, tmp_path, monkeypatch):
     for name, content in files.items():
         put(tmp_path / name, content)
-    before = sorted(tmp_path.iterdir())
+    paths = sorted(tmp_path.iterdir())
     monkeypatch.chdir(tmp_path)
     ran = brake_cal(*words)
     assert ran.code == code, ran.err
@@ -214,7 +214,7 @@ def test_it_is_told_in_one_line(words, files, code, request, brake_cal, tmp_path
     if code == 3:
         assert ran.err.count("error: ") == 1
         assert len(ran.err.partition("error: ")[2].splitlines()) == 1
-    assert sorted(tmp_path.iterdir()) == before
+    assert sorted(tmp_path.iterdir()) == paths
     if words[:2] == ["tables", "list"] and code == 0:
         lost = "record" in request.node.name or "parquet" in request.node.name
         assert ("sedan-2up@1 cannot be used" in ran.out) == lost

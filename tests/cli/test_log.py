@@ -12,8 +12,8 @@ RAMP, COAST = SEDAN / "ramp_wet_asphalt.csv", SEDAN / "coast.csv"
 
 
 def test_view_prints_one_document(brake_cal):
-    found = parsed(brake_cal("log", RAMP, COAST, "--json"))
-    ramp, coast = found["logs"]
+    document = parsed(brake_cal("log", RAMP, COAST, "--json"))
+    ramp, coast = document["logs"]
     assert [e["kind"] for e in ramp["events"]] == ["lead-in", "bite", "braking"]
     assert [e["kind"] for e in coast["events"]] == ["lead-in"]
     assert {c["name"]: c["unit"] for c in ramp["columns"]}["p_mc"] == "bar"

@@ -45,15 +45,14 @@ def rows(out):
 
 
 def test_validate_and_its_limits(batch, tmp_path):
-    found = parsed(ran := batch("validate", "logs", *TABLE, "--json", out=tmp_path / "out"))
+    ran = batch("validate", "logs", *TABLE, "--json", out=tmp_path / "out")
     assert ran.code == 0
-    assert found["counts"] == {"passed": 2, "failed": 0, "done": 0, "error": 1}
+    assert parsed(ran)["counts"] == {"passed": 2, "failed": 0, "done": 0, "error": 1}
     schema = pq.read_schema(tmp_path / "out/results.parquet")
     assert schema.names == ["log", "digest", "status", "error", *METRICS, "not_held", "warned"]
     assert all(field.metadata[b"unit"] for field in schema)
-    assert (
-        parsed(batch("validate", "logs", *TABLE, "--json", out=tmp_path / "out"))["done_now"] == 0
-    )
+    ran = batch("validate", "logs", *TABLE, "--json", out=tmp_path / "out")
+    assert parsed(ran)["done_now"] == 0
     limits = ("--limits", tmp_path / "limits.toml")
     limits[1].write_text("schema = 1\n[limits]\ninterval_f = { max = 1e-6 }\n")
     assert batch("validate", "logs", *TABLE, *limits, out=tmp_path / "out").code == 2  # others

@@ -9,6 +9,7 @@ from tests.cli.conftest import parsed
 from tests.support.recordings import write_bus, write_dbc
 
 REAL = Path(__file__).parents[2] / "sample_logs/real"
+TAKE = ("--take", "p_mc=Brake pressure [bar]")
 
 
 @pytest.fixture
@@ -38,54 +39,52 @@ def test_doubts_end_with_3_and_no_map(brake_cal, foreign, tmp_path):
     assert not out.exists()
 
 
-def test_what_is_told_is_written_and_read(brake_cal, foreign, tmp_path):
+def test_a_named_channel_is_written_and_read(brake_cal, foreign, tmp_path):
     out = tmp_path / "map.toml"
-    told = ("--take", "p_mc=Brake pressure [bar]")
-    assert brake_cal("map", foreign, *told, "--out", out).code == 0
-    taken = parsed(brake_cal("check", foreign, "--map", out, "--json"))["logs"][0]["taken"]
-    pressure = next(item for item in taken if item["channel"] == "p_mc")
+    assert brake_cal("map", foreign, *TAKE, "--out", out).code == 0
+    channels = parsed(brake_cal("check", foreign, "--map", out, "--json"))["logs"][0]["taken"]
+    pressure = next(item for item in channels if item["channel"] == "p_mc")
     assert pressure["source"] == "Brake pressure"
     assert pressure["factor"] == pytest.approx(1e5)
 
 
 def test_a_map_is_replaced_until_somebody_edits_it(brake_cal, foreign, tmp_path):
     out = tmp_path / "map.toml"
-    take = ("--take", "p_mc=Brake pressure [bar]")
-    assert brake_cal("map", foreign, *take, "--out", out).code == 0
+    assert brake_cal("map", foreign, *TAKE, "--out", out).code == 0
     first = out.read_text()
-    assert brake_cal("map", foreign, *take, "--take", "v=", "--out", out).code == 0
+    assert brake_cal("map", foreign, *TAKE, "--take", "v=", "--out", out).code == 0
     assert out.read_text() != first
     out.write_text(first + "# mine\n")
-    assert brake_cal("map", foreign, *take, "--out", out).code == 2
+    assert brake_cal("map", foreign, *TAKE, "--out", out).code == 2
     assert out.read_text() == first + "# mine\n"
-    assert brake_cal("map", foreign, *take, "--out", out, "--force").code == 0
+    assert brake_cal("map", foreign, *TAKE, "--out", out, "--force").code == 0
     assert out.read_text() == first
 
 
 def test_the_map_of_a_bus_log_is_usable_at_once(brake_cal, tmp_path):
     """With the DBC of the map that it was opened with, from another folder, too."""
     (tmp_path / "bus").mkdir()
-    given = write_dbc(tmp_path / "bus")
+    bus_map = write_dbc(tmp_path / "bus")
     log = write_bus(tmp_path / "run.asc")
-    given.write_text('schema = 1\ndbc = "chassis.dbc"\n')
+    bus_map.write_text('schema = 1\ndbc = "chassis.dbc"\n')
     out = tmp_path / "maps" / "new.toml"
     out.parent.mkdir()
-    ran = brake_cal("map", log, "--map", given, "--out", out)
+    ran = brake_cal("map", log, "--map", bus_map, "--out", out)
     assert ran.code == 0, ran.err
     assert 'dbc = ["../bus/chassis.dbc"]' in out.read_text()
     assert brake_cal("check", log, "--map", out).code == 0
     printed = tmp_path / "printed.toml"
-    printed.write_text(brake_cal("map", log, "--map", given).out)
+    printed.write_text(brake_cal("map", log, "--map", bus_map).out)
     assert brake_cal("check", log, "--map", printed).code == 0
 
 
 def with_time(tmp_path, heads, cells):
     """The Toyota's braking, its time under ``heads``, in the cells that ``cells`` makes of it."""
     rows = [line.split(",") for line in (REAL / "toyota_brake.csv").read_text().splitlines()]
-    at = rows[0].index("time [s]")
-    rows[0][at] = heads
+    column = rows[0].index("time [s]")
+    rows[0][column] = heads
     for row in rows[1:]:
-        row[at] = cells(float(row[at]))
+        row[column] = cells(float(row[column]))
     path = tmp_path / "run.csv"
     path.write_text("\n".join([*(",".join(row) for row in rows), ""]))
     return path

@@ -20,7 +20,7 @@ WITH_FLAP = Path("sample_logs/own_effect/with_flap.toml")
 
 
 @pytest.fixture
-def here(tmp_path, monkeypatch):
+def folder(tmp_path, monkeypatch):
     """A working folder with the sample logs."""
     (tmp_path / "sample_logs").symlink_to(sample_logs())
     monkeypatch.chdir(tmp_path)
@@ -29,13 +29,13 @@ def here(tmp_path, monkeypatch):
 
 def test_the_page_prints_the_file_of_the_sample():
     (printed,) = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
-    docstring, rest = EXAMPLE.read_text().split('"""\n\n', 1)
+    docstring, code = EXAMPLE.read_text().split('"""\n\n', 1)
     assert docstring.startswith('"""')
-    assert printed == rest
+    assert printed == code
 
 
 @pytest.mark.slow
-def test_the_commands_of_the_page_work_as_printed_and_find_the_effect(brake_cal, here):
+def test_the_commands_of_the_page_work_as_printed_and_find_the_effect(brake_cal, folder):
     commands = [line for line in PAGE.splitlines() if line.startswith("brake-cal ")]
     assert [shlex.split(c)[1] for c in commands] == ["effects", *["simulate"] * 4, "diagnose"]
     for command in commands:
@@ -54,7 +54,7 @@ def test_the_commands_of_the_page_work_as_printed_and_find_the_effect(brake_cal,
     assert brake_cal(*again, "--effect", FLAP).code == 0
 
 
-def test_a_table_that_knows_it_needs_the_file_where_it_computes(brake_cal, here):
+def test_a_table_with_an_own_effect_needs_its_file_to_compute(brake_cal, folder):
     flap = ("--effect", FLAP)
     logs = [SEDAN / "ramp_wet_asphalt.csv", SEDAN / "coast.csv"]
     ran = brake_cal("fit", *logs, *VEHICLE, "--model", WITH_FLAP, *flap, "--store", "t", "--json")

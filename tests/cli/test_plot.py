@@ -29,9 +29,9 @@ def tables(tmp_path_factory):
 @pytest.fixture
 def plot(brake_cal, tables, tmp_path, monkeypatch):
     """Run `plot` in an empty directory."""
-    here = tmp_path / "here"
-    here.mkdir()
-    monkeypatch.chdir(here)
+    folder = tmp_path / "here"
+    folder.mkdir()
+    monkeypatch.chdir(folder)
     return lambda *arguments: brake_cal("plot", *arguments, "--store", tables)
 
 

@@ -22,16 +22,15 @@ SAMPLES = ROOT / "sample_logs"
 
 def test_every_effect_has_its_line_and_its_card(brake_cal):
     lines = brake_cal("effects").out.splitlines()
-    assert [name for name in CATALOGUE if any(x.startswith(f"{name} ") for x in lines)] == [
-        *CATALOGUE
-    ]
+    assert all(any(line.startswith(f"{name} ") for line in lines) for name in CATALOGUE)
     cards = parsed(brake_cal("effects", "--json"))["effects"]
     assert [card["name"] for card in cards] == list(CATALOGUE)
-    (one,) = parsed(brake_cal("effects", "rear_proportioning", "--json"))["effects"]
-    assert {p["name"]: p["unit"] for p in one["parameters"]} == {"knee_slope": "1", "knee": "Pa"}
+    (card,) = parsed(brake_cal("effects", "rear_proportioning", "--json"))["effects"]
+    units = {p["name"]: p["unit"] for p in card["parameters"]}
+    assert units == {"knee_slope": "1", "knee": "Pa"}
     out = brake_cal("effects", "rear_proportioning").out
-    assert one["equation"] in out
-    assert all(p["name"] in out for p in one["parameters"])
+    assert card["equation"] in out
+    assert all(p["name"] in out for p in card["parameters"])
 
 
 def test_schemas_are_listed_and_those_of_documents_printed(brake_cal):
@@ -52,11 +51,9 @@ def test_a_code_is_explained_by_its_own_row(brake_cal, code):
     document = parsed(brake_cal("manual", code, "--json"))
     assert parsed(brake_cal("explain", code, "--json")) == document
     text = " ".join(document["text"])
-    rules = [rule for rule in RULES if rule.code == code]
-    known = [rule.do for rule in rules] or [
-        CHECKS.get(code) or getattr(METRICS.get(code), "meaning", "")
-    ]
-    assert all(words in text for words in known)
+    advice = [rule.do for rule in RULES if rule.code == code]
+    expected = advice or [CHECKS.get(code) or getattr(METRICS.get(code), "meaning", "")]
+    assert all(words in text for words in expected)
     assert text
 
 

@@ -32,18 +32,18 @@ def test_a_study(brake_cal, ramps, tmp_path):
     ran = brake_cal("repeatability", "--plan", ramps / "plan.csv", "--vehicle", VEHICLE,
                     "--metric", "pad_scale", "--out", out, "--report", page, "--json")  # fmt: skip
     assert ran.code == 0, ran.err
-    told = parsed(ran)
-    assert told == json.loads((out / "repeatability.json").read_text())
+    document = parsed(ran)
+    assert document == json.loads((out / "repeatability.json").read_text())
     assert (out / "repeatability.png").read_bytes().startswith(b"\x89PNG")
     assert page.read_text().count("<img") == 1
-    assert missing_and_unknown("repeatability-json", told) == []
-    found = told["quantities"]["pad_scale"]
+    assert missing_and_unknown("repeatability-json", document) == []
+    quantity = document["quantities"]["pad_scale"]
     # the cars differ by 0.0636 in friction, sd, which is 0.167 of the nominal 0.38
-    assert found["components"]["car"]["sd"] == pytest.approx(0.167, rel=0.1)
-    assert found["grr"]["value"] < 0.3
-    assert [row["df"] for row in found["anova"]] == [1, 2]
-    assert list(told["ramps"][0]) == ["log", "car", "station", "figures", "digest"]
-    assert len(told["ramps"]) == 4
+    assert quantity["components"]["car"]["sd"] == pytest.approx(0.167, rel=0.1)
+    assert quantity["grr"]["value"] < 0.3
+    assert [row["df"] for row in quantity["anova"]] == [1, 2]
+    assert list(document["ramps"][0]) == ["log", "car", "station", "figures", "digest"]
+    assert len(document["ramps"]) == 4
 
 
 @pytest.mark.parametrize(

@@ -32,19 +32,19 @@ def project(tmp_path, monkeypatch):
     return write
 
 
-def of(ran):
+def settings_of(ran):
     return parsed(ran)["settings"]
 
 
 def test_each_setting_says_where_it_comes_from(project, brake_cal):
     project('vehicle = "car.toml"\nby = "Bea"\n[station]\nexport = ["dcm", "csv"]\n')
     ran = brake_cal("settings", "--json")
-    found = of(ran)
+    settings = settings_of(ran)
     source = f"file:../{NAME}"
-    assert found["vehicle"] == {"value": "../car.toml", "source": source}
-    assert found["station.export"] == {"value": ["dcm", "csv"], "source": source}
-    assert found["by"] == {"value": "Bea", "source": source}
-    assert found["store"]["source"] == "built-in"
+    assert settings["vehicle"] == {"value": "../car.toml", "source": source}
+    assert settings["station.export"] == {"value": ["dcm", "csv"], "source": source}
+    assert settings["by"] == {"value": "Bea", "source": source}
+    assert settings["store"]["source"] == "built-in"
 
 
 def test_fit_takes_vehicle_and_store(project, brake_cal, tmp_path):

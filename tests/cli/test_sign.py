@@ -11,7 +11,7 @@ from tests.cli.conftest import parsed
 from tests.support.signing import ADA, EVE, secret_file
 from tests.support.tables import made_table
 
-pytestmark = pytest.mark.usefixtures("seen")
+pytestmark = pytest.mark.usefixtures("seen_file")
 
 SEED = bytes(range(32))
 SAMPLES = "sample_logs/sedan"
@@ -45,11 +45,11 @@ def signed(tables, secret):
 
 def test_sign_json(tables, secret, store):
     head = Store(store).snapshot().journal.head
-    said = parsed(tables("sign", "sedan@1", "--key", secret, "--json"))
+    document = parsed(tables("sign", "sedan@1", "--key", secret, "--json"))
     stored = Store(store).load("sedan@1")
-    comment = said.pop("trusted_comment")
+    comment = document.pop("trusted_comment")
     assert comment.endswith(f"state=released digest={stored.digest} journal={head}")
-    assert said == {
+    assert document == {
         "schema": 1,
         "table": "sedan@1",
         "digest": stored.digest,
@@ -76,8 +76,8 @@ def test_the_password_is_typed_and_shown_nowhere(tables, tmp_path, monkeypatch, 
 def test_verify_with_a_key(tables, signed, two, public):
     ran = tables("verify", "--key", public)
     assert ran.code == 0
-    found = parsed(tables("verify", "--key", ADA.public.text, "--json"))
-    assert [row["signed"] for row in found["versions"]] == ["released", None, None]
+    document = parsed(tables("verify", "--key", ADA.public.text, "--json"))
+    assert [row["signed"] for row in document["versions"]] == ["released", None, None]
     ran = tables("verify", "--key", EVE.public.text, "--json")
     assert ran.code == 4
     assert ADA.public.key_id in ran.out
@@ -127,11 +127,11 @@ def test_a_pair_of_keys_is_made_and_never_replaced(tables, tmp_path, monkeypatch
         monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(typed), encoding="utf-8"))
         ran = tables(*make)
         assert (ran.code, key.exists(), "Bremse" in ran.err) == (2, False, False)
-    found = parsed(tables(*make, "--no-password", "--json"))
-    assert found["public_key"] in pub.read_text()
-    before = key.read_bytes()
+    document = parsed(tables(*make, "--no-password", "--json"))
+    assert document["public_key"] in pub.read_text()
+    content = key.read_bytes()
     assert tables(*make, "--no-password").code == 3
-    assert key.read_bytes() == before
+    assert key.read_bytes() == content
     assert tables("sign", "sedan@1", "--key", key).code == 0
     assert tables("verify", "--key", pub).code == 0
     for wrong in (("sedan@1", *make[1:]), ("sedan@1", "--key", key, "--no-password"), make[1:3]):

@@ -29,8 +29,8 @@ VEHICLE = SEDAN / "vehicle.toml"
 @pytest.fixture
 def station(brake_cal, tmp_path):
     def run(*words, stops=(DRY, ONTO_BASALT), ramp=RAMP):
-        told = ("--vehicle", VEHICLE, "--out", tmp_path / "car", "--store", tmp_path / "tables")
-        return brake_cal("station", ramp, *stops, *told, *words)
+        options = ("--vehicle", VEHICLE, "--out", tmp_path / "car", "--store", tmp_path / "tables")
+        return brake_cal("station", ramp, *stops, *options, *words)
 
     return run
 
@@ -42,28 +42,28 @@ def content(folder):
 GOOD = ("--coast", COAST, "--serial", "0815", "--rxswin", "R79", "--station", "EOL 3")
 GOOD += ("--export", "dcm", "--export", "a2l", "--mass", "1744 kg", "--json")
 
-_kept = {}
+_files_of_good_car = {}
 
 
 @pytest.fixture
 def good(station, tmp_path):
     """A good car that left the station; the first test to ask for it runs it."""
-    if not _kept:
+    if not _files_of_good_car:
         ran = station(*GOOD)
         assert ran.code == 0, ran.err
-        _kept.update(content(tmp_path), out=ran.out)
-    for path, data in _kept.items():
+        _files_of_good_car.update(content(tmp_path), out=ran.out)
+    for path, data in _files_of_good_car.items():
         if path != "out":
             (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
             (tmp_path / path).write_bytes(data)
-    return json.loads(_kept["out"])
+    return json.loads(_files_of_good_car["out"])
 
 
 def test_a_good_car_and_the_same_bytes_again(station, good, tmp_path):
-    before = content(tmp_path)
+    files = content(tmp_path)
     again = station(*GOOD)
     assert (again.code, parsed(again)) == (0, good)
-    assert content(tmp_path) == before
+    assert content(tmp_path) == files
     assert {p.name for p in (tmp_path / "car").iterdir()} == {
         "station.json", "junit.xml", "report.html", "summary.json", "table.dcm", "table.a2l",
         "dry_asphalt_stop.parquet", "transition_dry_to_basalt.parquet",
@@ -108,26 +108,25 @@ def test_a_car_that_fails_loses_its_exports(station, good, tmp_path):
 def test_refusals_leave_no_result(station, tmp_path, words, code):
     """The index is told of a car that cannot be judged, not of a mistake in what was typed."""
     assert station(*words).code == code
-    assert [str(path) for path in content(tmp_path)] == ["car/refused.json"] * (
-        code == 3 and words[0] != "--limits"
-    )
+    refusals = ["car/refused.json"] if code == 3 and words[0] != "--limits" else []
+    assert [str(path) for path in content(tmp_path)] == refusals
 
 
 def test_a_refused_car_is_on_the_index_until_it_is_judged(station, good, brake_cal, tmp_path):
     """An earlier result stays as it was; the next verdict takes the refusal away."""
-    before = content(tmp_path / "car")
+    files = content(tmp_path / "car")
     ran = station("--serial", "0815", "--station", "E 3", "--json", ramp=DRY)
     assert ran.code == 3
-    after = content(tmp_path / "car")
-    refusal = json.loads(after.pop(Path("refused.json")))
-    assert after == before
+    files_after = content(tmp_path / "car")
+    refusal = json.loads(files_after.pop(Path("refused.json")))
+    assert files_after == files
     assert missing_and_unknown("refused-json", refusal) == []
     assert refusal["error"] == parsed(ran)["error"]
     assert refusal["identity"] == {"serial": "0815", "station": "E 3"}
     assert brake_cal("fleet", tmp_path).code == 0
     assert "0815: Refused" in (tmp_path / "index.html").read_text()
     assert station(*GOOD).code == 0
-    assert content(tmp_path / "car") == before
+    assert content(tmp_path / "car") == files
 
 
 def test_a_report_that_fails_leaves_no_version(station, tmp_path, monkeypatch):
@@ -206,9 +205,9 @@ def test_stopped_it_is_no_verdict_and_leaves_nothing(tmp_path, number):
         # a test command in a shell's background ignores SIGINT, and so would this
         preexec_fn=partial(signal.signal, signal.SIGINT, signal.SIG_DFL),
     )
-    said = process.stderr.readline()
-    assert said.startswith("fitting")
+    first_line = process.stderr.readline()
+    assert first_line.startswith("fitting")
     process.send_signal(number)
     _, err = process.communicate(timeout=60)
     assert (process.returncode, list(tmp_path.iterdir())) == (130, [])
-    assert err.removeprefix(said).count("\n") == 1  # within that line it may come once more
+    assert err.removeprefix(first_line).count("\n") == 1  # within that line it may come once more

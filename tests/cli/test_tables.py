@@ -52,10 +52,10 @@ def test_show_holds_the_whole_table(tables, two):
 
 
 def test_diff_gives_the_gap_of_the_curves(tables, two):
-    found = parsed(tables("diff", "sedan@1", "sedan", "--json"))
-    D = next(gap for gap in found["curves"] if gap["curve"] == "D")
+    document = parsed(tables("diff", "sedan@1", "sedan", "--json"))
+    D = next(gap for gap in document["curves"] if gap["curve"] == "D")
     assert D["largest"] == pytest.approx((28.0 - C) * 0.005)
-    assert (found["a"], found["b"], found["identical"]) == ("sedan@1", "sedan@2", False)
+    assert (document["a"], document["b"], document["identical"]) == ("sedan@1", "sedan@2", False)
     assert "+0.00500" in tables("diff", "sedan@1", "sedan").out
     assert parsed(tables("diff", "sedan@1", "sedan@1", "--json"))["identical"] is True
 
@@ -123,10 +123,10 @@ def test_a_release_holds_who_why_and_the_digest_of_the_evidence(drafts, summary,
     ],
 )
 def test_what_is_typed_wrong_changes_nothing(drafts, store, words):
-    before = Store(store).snapshot().journal.entries
+    entries = Store(store).snapshot().journal.entries
     ran = drafts(*words)
     assert (ran.code, ran.result) == (2, "")
-    assert Store(store).snapshot().journal.entries == before
+    assert Store(store).snapshot().journal.entries == entries
 
 
 def test_the_log_of_a_table_is_its_history(drafts):
@@ -151,10 +151,10 @@ def line(on_store, store):
 
 
 def test_a_mean_has_its_parents_and_every_look_works_with_it(line, tmp_path):
-    found = parsed(line("merge", *CARS, "--name", "golden", "--json"))
-    assert (found["id"], found["cars"], found["eta"]) == ("golden@1", 3, [1.0, 1.005])
-    assert [p["id"] for p in found["parents"]] == list(CARS)
-    D = found["figures"][0]
+    document = parsed(line("merge", *CARS, "--name", "golden", "--json"))
+    assert (document["id"], document["cars"], document["eta"]) == ("golden@1", 3, [1.0, 1.005])
+    assert [p["id"] for p in document["parents"]] == list(CARS)
+    D = document["figures"][0]
     assert D["value"] == pytest.approx(0.135)
     assert D["between"] == pytest.approx(1.0 / 27.0, rel=1e-6)
     # t of two degrees of freedom times 1/sqrt(3)
@@ -182,10 +182,10 @@ def exported(tables, stored, tmp_path):
 @pytest.mark.parametrize("form", ["dcm", "cdfx"])
 def test_a_file_is_compared_with_the_table_that_it_names(brake_cal, tables, exported, form):
     out = exported(form, "--points", "6")
-    found = parsed(tables("compare", out, "--json"))
-    assert (found["in_store"], found["unchanged"], found["differences"]) == (True, True, [])
-    assert found["scalars"]["sedan_mass"] == 1744.0
-    assert len(found["curves"]["sedan_f1"]["x"]) == 6
+    diff = parsed(tables("compare", out, "--json"))
+    assert (diff["in_store"], diff["unchanged"], diff["differences"]) == (True, True, [])
+    assert diff["scalars"]["sedan_mass"] == 1744.0
+    assert len(diff["curves"]["sedan_f1"]["x"]) == 6
     elsewhere = brake_cal("tables", "compare", out, "--store", out.parent / "none", "--json")
     assert (elsewhere.code, parsed(elsewhere)["in_store"]) == (0, False)
     Store(out.parent / "other").save(made_table(28.0))

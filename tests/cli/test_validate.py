@@ -83,13 +83,13 @@ def test_without_truth_and_v_it_is_consistent_and_a_release_says_so(brake_cal, b
 @pytest.mark.parametrize("words", [("--points", 12, "--fixed-point", 16), ("--float",)])
 def test_it_is_judged_as_it_is_exported(run, words):
     document, whole = (parsed(run("wet.csv", "--json", *more)) for more in (words, ()))
-    fixed = {"points": 12, "bits": 16} if "--points" in words else {}
-    given = {"points": None, "bits": None, "single": "--float" in words, "code": False}
-    assert document["exported"] == given | fixed
-    one, other = (x["logs"][0]["figures"] for x in (document, whole))
-    assert one["pad_friction_r"] == other["pad_friction_r"]
-    assert one["ecu_pad_friction_r"] != other["ecu_pad_friction_r"]
-    assert one["ecu_pad_friction_r"] == pytest.approx(other["ecu_pad_friction_r"], rel=0.1)
+    typed = {"points": 12, "bits": 16} if "--points" in words else {}
+    defaults = {"points": None, "bits": None, "single": "--float" in words, "code": False}
+    assert document["exported"] == defaults | typed
+    figures, full = (x["logs"][0]["figures"] for x in (document, whole))
+    assert figures["pad_friction_r"] == full["pad_friction_r"]
+    assert figures["ecu_pad_friction_r"] != full["ecu_pad_friction_r"]
+    assert figures["ecu_pad_friction_r"] == pytest.approx(full["ecu_pad_friction_r"], rel=0.1)
 
 
 @pytest.mark.parametrize("there_before", [True, False])

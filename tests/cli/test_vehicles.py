@@ -15,7 +15,7 @@ SEDAN = Path(__file__).parents[2] / "sample_logs/sedan/vehicle.toml"
 def car(tmp_path):
     """A copy of the reference file with texts replaced."""
 
-    def made(**changes):
+    def write(**changes):
         file, text = tmp_path / "car.toml", SEDAN.read_text()
         for old, new in changes.values():
             assert old in text
@@ -23,7 +23,7 @@ def car(tmp_path):
         file.write_text(text)
         return file
 
-    return made
+    return write
 
 
 def test_the_reference_car_is_written_and_never_replaced_silently(brake_cal, tmp_path):
@@ -42,19 +42,19 @@ def test_an_implausible_file_ends_with_1_and_names_the_causes(brake_cal, car):
     file = car(f=("friction_faces = 2", "friction_faces = 1"))
     ran = brake_cal("vehicle", "check", file)
     assert ran.code == 1
-    both = brake_cal("vehicle", "check", file, SEDAN, file.with_name("no.toml"), "--json")
-    found = parsed(both)
-    assert both.code == 3
-    assert [v["plausible"] for v in found["vehicles"]] == [False, True]
-    assert len(found["unreadable"]) == 1
-    assert found["vehicles"][0]["warnings"][0]["log"] == "sedan-2up"
+    ran = brake_cal("vehicle", "check", file, SEDAN, file.with_name("no.toml"), "--json")
+    document = parsed(ran)
+    assert ran.code == 3
+    assert [v["plausible"] for v in document["vehicles"]] == [False, True]
+    assert len(document["unreadable"]) == 1
+    assert document["vehicles"][0]["warnings"][0]["log"] == "sedan-2up"
 
 
 def test_show_prints_a_document_of_its_schema_and_draws(brake_cal, tmp_path):
-    found = parsed(brake_cal("vehicle", "show", SEDAN, "--json"))
+    document = parsed(brake_cal("vehicle", "show", SEDAN, "--json"))
     schema = parsed(brake_cal("schema", "vehicle-facts"))
-    Draft202012Validator(schema).validate(found)
-    assert found["facts"]["pressure_per_g"] == pytest.approx(69.93, abs=0.01)
+    Draft202012Validator(schema).validate(document)
+    assert document["facts"]["pressure_per_g"] == pytest.approx(69.93, abs=0.01)
     picture = tmp_path / "brakes.png"
     assert brake_cal("vehicle", "show", SEDAN, "--plot", picture).code == 0
     assert picture.read_bytes().startswith(b"\x89PNG")

@@ -27,16 +27,16 @@ def three(store):
 
 
 @pytest.fixture
-def signed_store(tmp_path, seen):
+def signed_store(tmp_path, seen_file):
     """sedan@1 and sedan@2 released and signed by Ada, wagon@1 a draft; nobody has seen it."""
-    made = Store(tmp_path / "tables")
-    made.save(made_table(27.0), RELEASE)
-    made.save(made_table(28.0), RELEASE)
-    made.save(made_table(name="wagon"))
+    store = Store(tmp_path / "tables")
+    store.save(made_table(27.0), RELEASE)
+    store.save(made_table(28.0), RELEASE)
+    store.save(made_table(name="wagon"))
     for version in ("sedan@1", "sedan@2"):
-        sign(made, version, ADA)
-    forget(seen)
-    return made
+        sign(store, version, ADA)
+    forget(seen_file)
+    return store
 
 
 @pytest.fixture

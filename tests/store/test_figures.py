@@ -24,8 +24,8 @@ def test_an_interval_within_the_range_of_the_card_is_that_of_the_sigma():
     assert str(figure) == "drag_area 0.66 m^2 (95 %: 0.464 to 0.856)"
     (zero,) = effect_figures(with_drag(0.0, 0.1))
     assert zero.ci95 == pytest.approx((0.0, 0.196), abs=1e-4)  # no drag is negative
-    (given,) = effect_figures(with_drag(0.66, 0.0))
-    assert str(given) == "drag_area 0.66 m^2 (given)"
+    (exact,) = effect_figures(with_drag(0.66, 0.0))
+    assert str(exact) == "drag_area 0.66 m^2 (given)"
 
 
 @pytest.mark.parametrize("word", ["draft", "released", "rejected", "withdrawn"])

@@ -11,9 +11,9 @@ from tests.support.tables import made_table
 
 @pytest.fixture
 def store(tmp_path):
-    made = Store(tmp_path / "tables")
-    made.save(made_table())
-    return made
+    tables = Store(tmp_path / "tables")
+    tables.save(made_table())
+    return tables
 
 
 @pytest.mark.parametrize(
@@ -39,11 +39,11 @@ def test_nothing_is_written_through_a_folder_that_is_a_link(store, tmp_path):
     elsewhere = tmp_path / "elsewhere"
     (store.folder / "sedan").rename(elsewhere)
     (store.folder / "sedan").symlink_to(elsewhere)
-    before = sorted(elsewhere.rglob("*"))
+    paths = sorted(elsewhere.rglob("*"))
     with pytest.raises(StoreError) as error:
         store.save(made_table(28.0))
     assert str(error.value.where).endswith("sedan")
-    assert sorted(elsewhere.rglob("*")) == before
+    assert sorted(elsewhere.rglob("*")) == paths
 
 
 def test_a_link_in_the_place_of_a_begun_version_is_cleared(store, tmp_path):
@@ -66,8 +66,8 @@ def test_line_ends_that_git_changed_are_named(store, name):
 
 
 def test_a_name_that_differs_in_case_alone_is_refused(store):
-    before = sorted(store.folder.rglob("*"))
+    paths = sorted(store.folder.rglob("*"))
     with pytest.raises(StoreError):
         store.save(made_table(name="Sedan"))
-    assert sorted(store.folder.rglob("*")) == before
+    assert sorted(store.folder.rglob("*")) == paths
     assert store.save(made_table(28.0)).id == "sedan@2"

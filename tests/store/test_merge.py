@@ -64,9 +64,9 @@ def test_the_mean_is_sound_and_the_order_of_the_cars_does_not_matter(stiffness, 
 
 
 def test_pads_and_stiffness_are_the_means_of_logarithms():
-    made = [car_table(1, 26.0, -0.03, 0.02), car_table(2, 28.0, 0.05, -0.04)]
-    mean = merge([version(table, n) for n, table in enumerate(made, 1)], "golden")
-    levels = [level_and_ratio(VEHICLE, table.calibration) for table in made]
+    tables = [car_table(1, 26.0, -0.03, 0.02), car_table(2, 28.0, 0.05, -0.04)]
+    mean = merge([version(table, n) for n, table in enumerate(tables, 1)], "golden")
+    levels = [level_and_ratio(VEHICLE, table.calibration) for table in tables]
     mean_levels = level_and_ratio(VEHICLE, mean.calibration)
     assert mean_levels.ratio == pytest.approx(-0.01)
     assert mean_levels.level == pytest.approx(0.5 * (levels[0].level + levels[1].level))
@@ -134,10 +134,10 @@ def test_the_draws_and_the_figures_of_the_mean_tell_the_same_car(copies):
 
 def test_what_all_cars_share_does_not_shrink_with_their_number(copies):
     few, many = merge(copies[:2], "golden"), merge(copies, "golden")
-    one = copies[0].table.budget
+    budget = copies[0].table.budget
     for mean in (few, many):
-        assert mean.budget.level["mass"] == pytest.approx(one.level["mass"])
-        assert mean.budget.front["mass"] == pytest.approx(one.front["mass"])
+        assert mean.budget.level["mass"] == pytest.approx(budget.level["mass"])
+        assert mean.budget.front["mass"] == pytest.approx(budget.front["mass"])
     assert many.budget.front["cars"] < 0.5 * few.budget.front["cars"]
 
 

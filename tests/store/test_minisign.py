@@ -130,13 +130,13 @@ def test_no_refusal_shows_the_key_or_the_password(tmp_path):
 def test_a_new_pair_signs_and_only_its_owner_reads_the_secret_key(files, comment_of, password):
     old = os.umask(0)
     try:
-        made = generate(*files, password)
+        public = generate(*files, password)
     finally:
         os.umask(old)
     assert [stat.S_IMODE(path.stat().st_mode) for path in files] == [0o600, 0o644]
     key = read_secret_key(files[0], (lambda: password) if password else never)
-    assert made == key.public == read_public_key(files[1])
-    assert comment_of(key.sign(b"data", "comment"), b"data", made) == "comment"
+    assert public == key.public == read_public_key(files[1])
+    assert comment_of(key.sign(b"data", "comment"), b"data", public) == "comment"
 
 
 @pytest.mark.parametrize("existing", [0, 1])

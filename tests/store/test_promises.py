@@ -37,10 +37,10 @@ def rewrite(store, lines):
 
 
 def test_a_version_never_changes(three):
-    before = files_under(three.folder / "sedan")
+    files = files_under(three.folder / "sedan")
     for decision in (RELEASE, REJECT, WITHDRAW):
         three.judge("sedan@2", decision)
-    assert files_under(three.folder / "sedan") == before
+    assert files_under(three.folder / "sedan") == files
     assert three.load("sedan@2").state.word == "withdrawn"
 
 
@@ -149,9 +149,7 @@ def replaced(path):
 
 
 @pytest.mark.parametrize("damage", [shutil.rmtree, recomputed, swapped, renumbered, replaced])
-def test_a_version_that_is_missing_replaced_edited_or_renumbered_is_found_and_refused(
-    three, damage
-):
+def test_a_missing_replaced_edited_or_renumbered_version_is_refused(three, damage):
     damage(three.folder / "sedan" / "v0002")
     with pytest.raises(DamagedTable) as error:
         three.load("sedan@2")
@@ -245,7 +243,7 @@ def chained(line, **changes):
 def test_a_journal_that_was_changed_is_refused(three, kind):
     three.judge("sedan@3", REJECT)
     rewrite(three, TAMPER[kind](lines_of(three)))
-    before = files_under(three.folder)
+    files = files_under(three.folder)
     for use in (
         lambda: three.load("sedan"),
         three.verify,
@@ -257,7 +255,7 @@ def test_a_journal_that_was_changed_is_refused(three, kind):
             use()
         assert error.value.exit_code == 4
         assert error.value.where == three.folder / "journal.jsonl"
-    assert files_under(three.folder) == before
+    assert files_under(three.folder) == files
 
 
 @pytest.mark.parametrize(
@@ -276,10 +274,10 @@ def test_a_stopped_writer_leaves_a_whole_version_or_none(store):
     """The writer is killed before each change of the disk."""
     reject = replace(REJECT, verdict="failed")
     for step in range(100):
-        before = len([*store.entries()]) if store.folder.is_dir() else 0
+        count = len([*store.entries()]) if store.folder.is_dir() else 0
         stopped = killed(lambda n=step: store.save(made_table(20.0 + n), reject), step)
         entries = [*store.entries()] if store.folder.is_dir() else ()
-        assert len(entries) - before in ((0, 1) if stopped else (1,))
+        assert len(entries) - count in ((0, 1) if stopped else (1,))
         assert all(entry.sound for entry in entries)
         assert all(entry.state.word == "rejected" for entry in entries)
         assert [e.version for e in entries] == list(range(1, len(entries) + 1))
@@ -292,22 +290,22 @@ def test_a_stopped_writer_leaves_a_whole_version_or_none(store):
 
 
 @pytest.mark.parametrize(
-    "at", ["version._curve_bytes", "version.sync", "journal.write_whole", "journal.sync"]
+    "function", ["version._curve_bytes", "version.sync", "journal.write_whole", "journal.sync"]
 )
-def test_a_full_disk_stores_nothing_and_a_moved_version_is_kept(three, monkeypatch, at):
+def test_a_full_disk_stores_nothing_and_a_moved_version_is_kept(three, monkeypatch, function):
     def full(*_):
         raise OSError(28, "No space left on device")
 
-    before = files_under(three.folder)
+    files = files_under(three.folder)
     with monkeypatch.context() as patch:
-        patch.setattr(f"calib.store.{at}", full)
+        patch.setattr(f"calib.store.{function}", full)
         with pytest.raises(StoreError):
             three.save(made_table(30.0))
-    entered = at == "journal.sync"  # the journal is whole by then
-    assert len([*three.entries()]) == (4 if entered else 3)
-    assert entered or files_under(three.folder) == before
+    is_stored = function == "journal.sync"  # the journal is whole by then
+    assert len([*three.entries()]) == (4 if is_stored else 3)
+    assert is_stored or files_under(three.folder) == files
     assert all(verdict.sound for verdict in three.verify())
-    assert three.save(made_table(31.0)).version == (5 if entered else 4)
+    assert three.save(made_table(31.0)).version == (5 if is_stored else 4)
 
 
 WRITER = """

@@ -191,19 +191,19 @@ def test_an_older_version_is_not_offered_as_the_newest(store):
 # The journal set back
 
 
-def test_a_journal_that_does_not_contain_what_was_signed_is_refused(store, seen, tmp_path):
-    before = len(store.snapshot().journal.entries)
+def test_a_journal_that_does_not_contain_what_was_signed_is_refused(store, seen_file, tmp_path):
+    length = len(store.snapshot().journal.entries)
     store.judge("sedan@2", WITHDRAW)
     sign(store, "sedan@2", ADA)
-    set_back(store, before)  # the newer signature is still there
-    forget(seen)
+    set_back(store, length)  # the newer signature is still there
+    forget(seen_file)
     assert store.released("sedan").version == 2
     for version in ("sedan@2", "sedan@1"):  # of whatever version
         refusal(store, version)
     with pytest.raises(SignatureRefused):
         sign(store, "wagon@1", ADA)
     assert not (store.folder / "wagon" / "v0001.minisig").exists()
-    assert len(store.snapshot().journal.entries) == before
+    assert len(store.snapshot().journal.entries) == length
 
     other = Store(tmp_path / "other")  # the same versions, whose journal has another first line
     for stiffness in (27.0, 28.0):
@@ -216,10 +216,10 @@ def test_a_journal_that_does_not_contain_what_was_signed_is_refused(store, seen,
 # Writing
 
 
-def test_if_signing_is_interrupted_no_wrong_signature_is_left(store, seen, monkeypatch):
+def test_if_signing_is_interrupted_no_wrong_signature_is_left(store, seen_file, monkeypatch):
     """On a full disk, and before each change of the disk by kill -9."""
     path = store.folder / "sedan" / "v0002.minisig"
-    before = path.read_bytes()
+    content = path.read_bytes()
 
     def full(*_):
         raise OSError(28, "No space left on device")
@@ -229,7 +229,7 @@ def test_if_signing_is_interrupted_no_wrong_signature_is_left(store, seen, monke
             patch.setattr(calib.store.signature, "write_whole", full)
             with pytest.raises(StoreError):
                 sign(store, version, ADA)
-    assert path.read_bytes() == before
+    assert path.read_bytes() == content
     assert not (store.folder / "wagon" / "v0001.minisig").exists()
 
     for step in range(100):
@@ -249,10 +249,10 @@ def test_a_path_is_signed_in_its_own_store_and_nowhere_else(store, tmp_path):
         require_signed(store.load(str(tmp_path / "taken" / "v0002")), ADA.public)
 
 
-def test_a_key_shows_itself_by_its_number_only(store, seen, keys):
+def test_a_key_shows_itself_by_its_number_only(store, seen_file, keys):
     sign(store, "wagon@1", ADA)
     words = [key.read_text().split("\n")[1] for key in keys]
-    files = [p for p in (*store.folder.rglob("*"), seen) if p.is_file()]
+    files = [p for p in (*store.folder.rglob("*"), seen_file) if p.is_file()]
     assert len(files) > 12
     for path in files:
         content = path.read_bytes().decode(errors="replace")

@@ -27,10 +27,10 @@ def stored(store):
 
 
 def test_a_preview_is_what_is_saved(store):
-    before = store.preview(made_table(), RELEASE)
+    first = store.preview(made_table(), RELEASE)
     assert not store.folder.exists()
     saved = store.save(made_table(), RELEASE)
-    for preview in (before, store.preview(made_table(), RELEASE)):
+    for preview in (first, store.preview(made_table(), RELEASE)):
         assert (preview.id, preview.digest, preview.path) == (saved.id, saved.digest, saved.path)
         assert preview.state.description.startswith("released: good (by Ada")
         assert json.dumps(preview.table.content()[0]) == json.dumps(saved.table.content()[0])
@@ -53,11 +53,11 @@ def test_a_read_only_store_is_refused_and_still_read(stored, store, monkeypatch)
         raise OSError(errno.EROFS, os.strerror(errno.EROFS))
 
     monkeypatch.setattr(os, "mkdir", refuse)
-    before = files_under(store.folder)
+    files = files_under(store.folder)
     for name in ("sedan", "wagon"):
         with pytest.raises(StoreError):
             store.save(made_table(28.0, name))
-    assert files_under(store.folder) == before
+    assert files_under(store.folder) == files
     assert store.save(made_table()).version == 1
     assert store.load("sedan").version == 1
 
@@ -143,17 +143,15 @@ GOOD = {"schema": 1, **VERSION, "verdict": "passed", "logs": [HOLD_OUT]}
         ([], None),
     ],
 )
-def test_a_summary_or_a_station_is_evidence_of_its_own_version_only(
-    stored, tmp_path, document, verdict
-):
+def test_evidence_is_of_one_version_only(stored, tmp_path, document, verdict):
     path = tmp_path / "summary.json"
     if isinstance(document, dict) and isinstance(document["table"], dict):
         table = document["table"]
         document = {**document, "table": {**table, "digest": table["digest"] or stored.digest}}
     path.write_text(json.dumps(document))
     if verdict:
-        evidence, preview = read_evidence(path, stored)
-        assert (evidence.name, preview) == ("summary.json", verdict)
+        evidence, answer = read_evidence(path, stored)
+        assert (evidence.name, answer) == ("summary.json", verdict)
     else:
         with pytest.raises(ExchangeError) as error:
             read_evidence(path, stored)

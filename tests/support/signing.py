@@ -68,5 +68,5 @@ def passes(store, key=ADA):
         return False
 
 
-def forget(seen):
-    seen.unlink(missing_ok=True)
+def forget(seen_file):
+    seen_file.unlink(missing_ok=True)

@@ -18,10 +18,10 @@ COMMENT = "car 7, geprüft"
 DATA = b"axle,pressure,torque\nfront,50,1250\nrear,50,460\n" + bytes(range(256))
 
 
-def minisign(*arguments: str, typed: str = "", before: Callable[[], None] | None = None) -> None:
+def minisign(*arguments: str, typed: str = "", prepare: Callable[[], None] | None = None) -> None:
     """Run minisign in this folder, with ``typed`` on its input."""
     subprocess.run(
-        ["minisign", *arguments], cwd=HERE, input=typed, text=True, check=True, preexec_fn=before
+        ["minisign", *arguments], cwd=HERE, input=typed, text=True, check=True, preexec_fn=prepare
     )
 
 
@@ -36,7 +36,7 @@ def main() -> None:
     typed = f"{PASSWORD}\n"
     minisign("-G", "-f", "-W", "-p", "open.pub", "-s", "open.key")
     minisign(
-        *("-G", "-f", "-p", "small.pub", "-s", "small.key"), typed=typed * 2, before=little_memory
+        *("-G", "-f", "-p", "small.pub", "-s", "small.key"), typed=typed * 2, prepare=little_memory
     )
     for key, answer in (("open", ""), ("small", typed)):
         signing = ("-S", "-s", f"{key}.key", "-m", "data.bin", "-t", COMMENT)
