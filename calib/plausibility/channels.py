@@ -21,7 +21,7 @@ from calib.run.driving_record import BITE_Z, DrivingRecord
 _NEEDED = ("p_mc", "a_x", *WHEEL_SPEEDS)
 _IN_TIME = bounds_of("pressure_late")[1]  # largest delay of a pressure that is in time [s]
 _UNBRAKED, _ROLLED = 0.04, 0.3  # largest deceleration without a brake [g], time of it needed [s]
-_CUT = 0.85  # share of unbraked samples at 0 of a zero that is too low; a right zero, cut, has 2/3
+_CUT = 0.85  # share of unbraked samples at 0 from which the zero is too low; a right one has 2/3
 _PRESSED = 20e5  # pressure from which left and right sensor agree in proportion [Pa]
 _BEYOND_CARS = {"v": "v_beyond_cars", "omega": "wheel_beyond_cars", "a": "a_x_beyond_cars"}
 """Code of a value that no car reaches, by the first part of the channel's name."""

@@ -1,7 +1,6 @@
 """Figures of the forces of a run with its vehicle: accelerometer, brakes, a bend.
 
-The column `figure` of `rules.csv` names the public function here that measures a rule. Nothing
-here changes an estimate.
+The column `figure` of `rules.csv` names the public function here that measures a rule.
 """
 
 import math

@@ -35,8 +35,8 @@ SLIP = ((0.04, 0.02), (0.01, 0.02), (0.0, 0.02), (0.0, 0.002), (0.0, 0.003))
 """Mean and sigma of the coefficients of slip: of z, its square, cube and steep term; and of the
 growth of a tyre by the square of the wheel speed over 100 rad/s [1]."""
 _SLIP_WET = ((0.12, 0.03), (0.1, 0.1), (0.4, 0.3), (0.03, 0.03), SLIP[-1])
-"""The same on a wet road: a brush of stiffness K and peak m that brakes its own load at z slips by
-(1 + z/(3 m) + 5 z^2/(27 m^2) ...) z/K. K is 8 to 18, m 0.35 to 0.6. No sigma is above its mean:
+"""The same on a wet road: a brush of stiffness K and peak m that brakes with z times its load slips
+by (1 + z/(3 m) + 5 z^2/(27 m^2) ...) z/K. K is 8 to 18, m 0.35 to 0.6. No sigma is above its mean:
 negative slip is that of a v that runs fast."""
 _UNBRAKED_SLIP = 0.2  # sigma of the slip of an unbraked axle over that of a braked one [1]
 _IN_TIME, _DELAYS = 0.05, (0.1, 0.2, 0.3, 0.4)  # sigma of a usual delay, delays of a late v [s]
@@ -50,7 +50,7 @@ _WRONG_RATES = tuple(x / 100.0 for x in range(-10, 11, 2) if x)  # rate errors o
 _LOG_RARE, _LOG_MISTAKE = math.log(0.05), math.log(0.01)  # ln of prior odds: rare cause, mistake
 _EXPLAINED = 1.4
 """Largest squared residual with a mistake over that of free coefficients [1]: true mistakes leave
-0.4 to 1.0. Where a peak that no hypothesis has looks like a mistake, the best one left 1.6."""
+0.4 to 1.0. A peak of the tyres that no hypothesis describes, taken for a mistake, left 1.6."""
 
 
 class SpeedMistake(NamedTuple):

@@ -202,9 +202,8 @@ def a_x_by_wheels(evidence: Evidence) -> Iterator[Measured]:
     """
     run, b = evidence.run, evidence.run.blocks
     rolled = np.flatnonzero(b.lead_in)
-    if run.vehicle is None or b.v is not None or run.clock.gaps:
-        return
-    if rolled.size * b.length < _ROLLED:
+    has_rolled = rolled.size * b.length >= _ROLLED
+    if run.vehicle is None or b.v is not None or run.clock.gaps or not has_rolled:
         return
     slip, slip_sigma, *_ = CAR.compliance  # per z [1]
     rim = b.rim_speed(run.car)

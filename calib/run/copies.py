@@ -25,6 +25,11 @@ _REACH, _MOST_LAGS = 0.15, 40  # reach of a derivative to both sides [s], and at
 _ONE_SIGNAL = bounds_of("same_signal")[1]  # correlation of the noise of two copies [1]
 _ENOUGH = 4000  # samples that are used
 _HELD = 1.5  # mean samples per value from which a channel is held
+_CHANNELS = ("p_mc", "a_x", "v", *WHEEL_SPEEDS)  # that are interpolated: inputs of a diagnosis
+_FEWEST, _SOONER = 20, 0.1  # changes needed for a period; share that may come sooner, by jitter
+_LATER = 1.6  # longest time between two changes that counts as one period [periods]
+_AGAIN = 0.6  # time after a period from which a value that stays was sent once more [periods]
+_LONGEST = 0.25  # longest period [s]: a channel that changes less often rests, or is coarse
 
 
 def shares_of_speed(log: Log) -> Iterator[tuple[str, float]]:
@@ -97,13 +102,6 @@ def _is_noise(log: Log, channel: str) -> bool:
     return exceeds and float(differences[1:] @ differences[:-1]) < -0.3 * square
 
 
-_CHANNELS = ("p_mc", "a_x", "v", *WHEEL_SPEEDS)  # inputs of a diagnosis
-_FEWEST, _SOONER = 20, 0.1  # changes needed for a period; share that may come sooner, by jitter
-_LATER = 1.6  # longest time between two changes that counts as one period [periods]
-_AGAIN = 0.6  # time after a period from which a value that stays was sent once more [periods]
-_LONGEST = 0.25  # longest period [s]: a channel that changes less often rests, or is coarse
-
-
 def _mean_period(x: Array) -> float:
     """Samples [1] for which a channel (n,) keeps each value; 1 for a channel that is not held."""
     lengths = np.diff(np.flatnonzero(np.diff(x)))
@@ -118,7 +116,7 @@ def _mean_period(x: Array) -> float:
 def _arrivals(x: Array, longest: float) -> Index | None:
     """Samples at which the values of a channel (n,) arrived; None if it is not held.
 
-    A value that stays for several periods arrived once in each. ``longest`` [samples] limits them.
+    A value that stays for several periods arrived once in each; none exceeds ``longest`` [samples].
 
     >>> _arrivals(np.repeat([0.0, 4.0, 8.0] * 10, 4), 10)[:3]
     array([0, 4, 8])

@@ -104,8 +104,7 @@ def pressure_delay(
     bites, torques = [p / BITE for p in means[:count]], means[count:]
     slowed = z > _SLOWS
     active = (np.max(bites, axis=0) > 1.0) | slowed
-    # until the car slows: a pressure that is early may rise before
-    rolling = ~np.logical_or.accumulate(slowed) & is_rolling(z)
+    rolling = ~np.logical_or.accumulate(slowed) & is_rolling(z)  # until z rises: p may be early
     braked, rolled = (step * np.count_nonzero(use & part) for part in (active, rolling))
     if braked < LIMITS.pressure_braked or rolled < LIMITS.pressure_lead_in:
         return None

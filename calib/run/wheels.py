@@ -90,9 +90,9 @@ class Axles:
     left_right_f: IntervalEstimate | None  # right over left wheel speed - 1, unbraked [1]
     left_right_r: IntervalEstimate | None
     radius: float | None  # median of v over the wheel speed, unbraked [m]
-    slope: float | None  # of -a_x over the wheels' [m]: the radius, or with the wrong sign minus it
+    slope: float | None  # -a_x over the wheels' deceleration [m]: a radius, < 0 with a wrong sign
     eta_braked: IntervalEstimate | None  # mean eta at 0.2 to 0.5 g less that unbraked [1]
-    eta_most: IntervalEstimate | None  # the same of the third of 0.1 to 0.5 g where it is largest
+    eta_most: IntervalEstimate | None  # the same at 0.1 to 0.5 g, of the third where it is largest
 
 
 def axles_of(log: Log, driving: DrivingRecord, slips: Mapping[str, Array]) -> Axles:

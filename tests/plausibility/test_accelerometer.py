@@ -23,7 +23,7 @@ def sensor(**values):
 
 
 def warned(sensor, other_scale=0.0, noise=0.002):
-    """``noise`` of a_x, as means over 1 s have it [g]."""
+    """Warnings on a sensor in a run; ``noise`` [g] is that of means of a_x over 1 s."""
     run = SimpleNamespace(other_scale=other_scale, noise=SimpleNamespace(z=noise, v=0.0))
     return broken((v_scale, accelerometer), Evidence(run, sensor))
 
@@ -57,23 +57,21 @@ def test_a_wrong_sensor_is_named_with_what_was_measured(wrong, code, measured):
     assert warning.do
 
 
-def test_a_scale_that_no_sensor_has_is_told_alone():
+def test_a_scale_that_no_sensor_has_is_the_only_warning():
     (warning,) = warned(sensor(scale=0.06), 1.0 / 6.0)
     assert (warning.code, warning.measured) == ("v_scale", pytest.approx(0.2))
 
 
 @pytest.mark.parametrize("gain", [0.85, 1.0, 1.15])
-def test_a_gain_of_a_x_is_told_by_the_wheels_where_no_v_is(gain):
+def test_without_v_the_wheels_show_a_gain_of_a_x(gain):
     log = misread(noisy(without(stop(REAL), "v"), 3), gain)
-    (measured,) = a_x_by_wheels(Evidence(Run(log, CAR)))
-    assert measured.value + LOG.a_x_scale.mean == pytest.approx(
-        gain - 1.0, abs=2.0 * measured.sigma
-    )
-    assert measured.sigma < 0.03
+    (error,) = a_x_by_wheels(Evidence(Run(log, CAR)))
+    assert error.value + LOG.a_x_scale.mean == pytest.approx(gain - 1.0, abs=2.0 * error.sigma)
+    assert error.sigma < 0.03
     assert not [*a_x_by_wheels(Evidence(Run(stop(REAL), CAR)))]
 
 
-def test_what_is_not_sure_is_not_warned_about():
+def test_an_uncertain_error_is_not_warned_about():
     assert codes(sensor(scale=0.04, variance_scale=9e-4)) == []
     assert codes(sensor(bias=0.03, variance_bias=1.6e-3)) == []
     assert codes(sensor(walk_probability=0.2, disagreement=0.03)) == []

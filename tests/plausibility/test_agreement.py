@@ -40,7 +40,7 @@ NAMED = {
 
 
 @pytest.mark.parametrize("mistake", NAMED)
-def test_a_mistake_is_told_by_check_as_by_the_uses(mistake, fitted):
+def test_check_names_a_mistake_as_its_uses_do(mistake, fitted):
     kind, make, codes = NAMED[mistake]
     log = make(LOGS[kind])
     assert codes <= {*why_not(log, "fit"), *why_not(log, "validate")}

@@ -41,6 +41,6 @@ def test_unlike_wheels_on_a_straight_road_are_not_a_bend():
     assert warnings_on(unlike(noisy(ramp(REAL), 1))) == []
 
 
-def test_without_a_straight_run_nothing_is_said():
+def test_without_a_straight_run_no_bend_is_named():
     log = unlike(noisy(ramp(replace(REAL, curvature=lambda t: 1.0 / 250.0)), 1))
     assert warnings_on(log, ()) == []

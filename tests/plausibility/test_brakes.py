@@ -41,7 +41,7 @@ def response(delay=0.0, share=0.0, sigma=0.01, **others):
         (response(delay=0.25, sigma=0.1), []),
     ],
 )
-def test_only_what_is_large_and_sure_is_named(measured, codes):
+def test_only_large_and_certain_errors_are_named(measured, codes):
     assert [warning.code for warning in broken([brakes], evidence(measured))] == codes
 
 
@@ -70,7 +70,7 @@ def chance_by_counting(share, sigma, fading, fading_sigma, odds):
 @pytest.mark.parametrize("sigma", [(0.01, 0.02), (0.03, 1.3), (0.02, 0.05)])
 @pytest.mark.parametrize("fading", [-0.05, 0.05, 0.15])
 def test_a_motor_is_named_by_its_chance_as_by_counting_all_shares(odds, sigma, fading):
-    """From 0.4 on: of the shares at once, those that are below it are not named."""
+    """Odds of 0.67 are a chance of 0.4, from which on a motor is named."""
     tried = np.linspace(-0.02, 0.15, 18)
     chance = [chance_by_counting(share, sigma[0], fading, sigma[1], odds) for share in tried]
     named = [
@@ -117,6 +117,5 @@ def test_a_step_of_the_force_stands_out_of_its_scatter_and_the_noise(step, scatt
     blocks.z = np.full(9, 0.3)
     run = SimpleNamespace(vehicle=True, blocks=blocks, lead_in_noise=SimpleNamespace(z=noise))
     stepped = response(force_step=_ForceStep(4.0, step, scatter))
-    assert [
-        warning.code for warning in broken([force_step], Evidence(run, response=stepped))
-    ] == codes
+    warnings = broken([force_step], Evidence(run, response=stepped))
+    assert [warning.code for warning in warnings] == codes

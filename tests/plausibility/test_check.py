@@ -49,7 +49,7 @@ def test_good_runs_pass_at_every_rate(rate):
 
 
 @pytest.mark.parametrize("noise", [0.0, 1.0])
-def test_good_run_is_not_complained_of(noise):
+def test_a_good_run_has_no_warning(noise):
     assert check(made_run(noise=noise)).warnings == ()
 
 
@@ -79,7 +79,7 @@ def constant(channel):
 
 
 def rough():
-    """A wheel on each axle at 50 Hz with noise of 1 rad/s."""
+    """A run at 50 Hz with noise of 1 rad/s on one wheel of each axle."""
     log, rng = made_run(rate=50.0), np.random.default_rng(1)
     noisy_ones = {f"omega_{w}": log[f"omega_{w}"] + rng.normal(size=400) for w in ("fl", "rl")}
     return changed(log, **noisy_ones)
@@ -192,6 +192,6 @@ def test_a_speed_in_another_unit_is_named(mistake):
     assert "v is in {} and was read as {}".format(*mistake.split(" as ")) in reasons(log)
 
 
-def test_the_scales_that_no_log_tells_are_said():
+def test_channels_whose_scale_no_log_shows_are_listed():
     logs = STOPPED, changed(STOPPED, v=None), changed(STOPPED, p_mc=None)
     assert [unseen(Run(log)) for log in logs] == [("p_mc",), ("p_mc", "a_x"), ()]

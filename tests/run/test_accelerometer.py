@@ -21,9 +21,9 @@ BRAKED = TIME > STEP * LEAD
 def run(seed=0, *, scale=0.0, bias=0.0, grade=0.0, drag=0.0, lag=0.0, noisy=True):
     """Blocks of 1.5 s of rolling and a stop at 0.4 g, and the deceleration that the tyres feel [1].
 
-    ``scale`` of the reading, ``bias`` [g]; ``grade`` [g], uphill positive, one number or one for
-    each block; ``drag`` [g] besides the known resistance while the car rolls; ``lag`` [s] by which
-    v is late.
+    a_x has an error of ``scale`` [1] and a ``bias`` [g]. The ``grade`` [g], downhill positive, is a
+    number or one for each block. ``drag`` [g] adds to the known resistance while the car rolls. v
+    is late by ``lag`` [s].
     """
     rng = np.random.default_rng(seed)
     felt = np.where(BRAKED, 0.4, RESIST + drag)

@@ -124,7 +124,7 @@ def angle(omega):
     st.sampled_from([1, 2]),
     st.integers(0, 2**31),
 )
-def test_a_ring_is_told_by_the_angle_of_its_wheel(size, phase, order, seed):
+def test_the_error_of_a_ring_is_removed(size, phase, order, seed):
     omega = slowing(bite=0.02)
     noise = 0.02 * np.random.default_rng(seed).standard_normal(TIME.size)
     read = omega * (1.0 + size * np.cos(order * angle(omega) + phase)) + noise
@@ -145,7 +145,7 @@ def test_wheels_of_the_plant_are_left_alone():
 
 
 @pytest.mark.parametrize("seconds", [0.05, 1.0])
-def test_a_few_turns_tell_nothing(seconds):
+def test_a_few_turns_show_no_ring(seconds):
     omega = np.full(round(seconds / DT), 60.0)
     read = omega * (1.0 + 2e-3 * np.cos(angle(omega)))
     np.testing.assert_array_equal(without_runout(read, DT), read)

@@ -93,7 +93,7 @@ def stopping(force):
 
 
 @pytest.mark.parametrize("force", [0.0, 400.0, 800.0])
-def test_a_force_that_goes_as_the_car_gets_slow(force):
+def test_a_force_that_fades_as_the_car_gets_slow(force):
     response = brake_response(*stopping(force))
     usual = np.median(brake_force(force=force)[400:1200])
     assert response.fading_sigma < 0.03
@@ -118,7 +118,7 @@ def test_brakes_that_follow_the_pressure_and_fade_with_the_speed_show_no_force_w
     assert response.fading > 4.0 * response.fading_sigma
 
 
-def test_nothing_is_said_of_a_run_without_braking():
+def test_a_run_without_braking_has_no_response():
     s, forces = run(brake_force())
     never = np.zeros_like(forces.active)
     silent = BrakeBalance(forces.nominal_f, forces.nominal_r, forces.balance, never)

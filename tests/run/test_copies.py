@@ -26,7 +26,7 @@ def held_for(period, x):
 
 
 @given(st.integers(2, 20), st.integers(0, 19), st.integers(0, 2**32 - 1))
-def test_noise_that_is_held_keeps_its_values_where_they_came(period, phase, seed):
+def test_held_noise_keeps_its_values_where_they_arrived(period, phase, seed):
     noise = np.random.default_rng(seed).normal(size=2000)
     x = held_for(period, noise)[phase:]
     straightened = interpolated(x)
@@ -45,12 +45,12 @@ def test_a_value_that_stays_for_long_came_again_with_each_period():
 
 
 @pytest.mark.parametrize("period", [1, 60, 500])
-def test_what_changes_with_its_clock_or_is_kept_for_too_long_is_not_changed(period):
+def test_a_channel_that_is_not_held_or_held_too_long_is_not_changed(period):
     x = held_for(period, np.random.default_rng(1).normal(size=5000))
     assert interpolated(x) is x
 
 
-def test_messages_that_do_not_fall_on_the_samples_are_told():
+def test_messages_between_the_samples_are_interpolated():
     log = as_log(drive(IDEAL, lambda t: 30e5 * min(max(t - 1, 0), 1), 30.0, rate=200.0), "stop")
     sent = chained(log, {"v": Message(30.0)}, np.random.default_rng(3))
     assert _mean_period(sent["v"]) == pytest.approx(200.0 / 30.0, rel=0.02)

@@ -42,7 +42,7 @@ def test_trailing_mean_is_the_plain_one(x, n):
 
 
 @given(mask=arrays(bool, st.integers(0, 40)))
-def test_runs_tile_the_mask(mask):
+def test_intervals_tile_the_mask(mask):
     rebuilt = np.zeros_like(mask)
     for start, end in true_intervals(mask):
         assert start < end
@@ -51,7 +51,7 @@ def test_runs_tile_the_mask(mask):
     assert np.array_equal(rebuilt, mask)
 
 
-def test_what_is_left_is_numpy_s_for_each_fit():
+def test_residuals_are_those_of_numpy_for_each_fit():
     rng = np.random.default_rng(0)
     columns = rng.normal(size=(7, 3, 40)) * rng.uniform(1e-3, 1e5, (7, 3, 1))
     y = rng.normal(size=40)
@@ -60,7 +60,7 @@ def test_what_is_left_is_numpy_s_for_each_fit():
         assert square == pytest.approx(float(residual @ residual), abs=1e-8 * float(y @ y))
 
 
-def test_a_ridge_is_as_rows_that_want_zero():
+def test_a_ridge_equals_rows_whose_right_side_is_zero():
     rng = np.random.default_rng(1)
     columns, y, ridge = rng.normal(size=(1, 3, 40)), rng.normal(size=40), np.array([0.0, 4.0, 9e2])
     rows, wanted = np.vstack([columns[0].T, np.diag(np.sqrt(ridge))]), np.append(y, np.zeros(3))
@@ -69,7 +69,7 @@ def test_a_ridge_is_as_rows_that_want_zero():
     assert square == pytest.approx(float(residual @ residual), rel=1e-7)
 
 
-def test_an_error_that_lasts_counts_for_as_long():
+def test_the_variance_of_held_noise_grows_with_the_hold():
     rng = np.random.default_rng(2)
     white = rng.normal(size=40_000)
     assert long_run_variance(white, 4) == pytest.approx(1.0, rel=0.05)

@@ -35,7 +35,7 @@ def pressure_of(log, w):
     return log[f"p_{w}"] if f"p_{w}" in log else log["p_mc"]
 
 
-def test_nothing_known_changes_nothing():
+def test_without_known_effects_nothing_changes():
     log = driven({}, wave)
     ran = remove_known_effects(SEDAN, log)
     assert ran.log is log

@@ -26,12 +26,12 @@ def in_a_bend(braked):
     return replace(log, channels={**log.channels, **wheels}), s
 
 
-def test_a_rolling_car_tells_its_bend():
+def test_a_rolling_car_shows_its_bend():
     log, s = in_a_bend(braked=0.0)
     assert lateral(log, s, WIDTH)[s.speed > 10.0] == pytest.approx(TURNED, rel=1e-3)
 
 
-def test_a_braking_car_tells_it_with_the_slip_of_its_wheels():
+def test_a_braking_car_shows_its_bend_if_its_slip_is_known():
     """The unequal slips of both sides look like half a bend more."""
     log, s = in_a_bend(braked=1.0)
     fast = s.speed > 20.0

@@ -30,7 +30,7 @@ def theory(share, tau=0.1):
     ("share", "window", "reads"),
     [(0.0, 4.0, 1.0), (0.45, 4.0, 0.9), (1.0, 4.0, 0.9), (0.0, 2.0, 0.95), (0.45, 2.0, 0.7)],
 )
-def test_density_is_that_of_theory_as_far_as_it_says(share, window, reads):
+def test_density_is_that_of_theory_with_the_documented_bias(share, window, reads):
     """Mean of 60 runs; a slow drift and a companion are in the way and are taken out."""
     seconds, rng = 8, np.random.default_rng(8)
     t = 0.05 * np.arange(20 * seconds)
@@ -108,7 +108,7 @@ def test_the_variance_is_that_of_the_steady_kalman_filter(duration):
     assert variance(w, density) < variance(np.ones(w.size), density)
 
 
-def test_what_does_not_roll_keeps_its_sigma():
+def test_outside_the_lead_in_sigma_does_not_grow():
     assert weights(1e-3, 1.0).min() > 0.9  # much shorter than it lasts: tau is 80 s
     time, rolling = np.arange(4.0), np.array([True, True, False, False])
     factor = sigma_growth(time, rolling, np.full(4, WALK))

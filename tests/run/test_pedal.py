@@ -23,7 +23,7 @@ def test_a_held_pressure_loses_its_noise_and_a_rise_stays():
     assert smooth[rising] == pytest.approx(clean[rising], abs=5e4)
 
 
-def test_the_noise_of_a_sensor_that_reads_nothing_below_nought_is_no_brake():
+def test_noise_that_is_cut_at_zero_is_no_brake():
     rng = np.random.default_rng(2)
     p = np.maximum(rng.normal(0.0, 1e4, 1000), 0.0)
     assert np.mean(p) > 0.3e4

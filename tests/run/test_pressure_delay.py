@@ -34,7 +34,7 @@ def late(log, delay):
 
 
 def with_wheels(log, rear=lambda p: p, **delays):
-    """The log with four wheel pressures; those of `rear` behind a valve; some channels are late."""
+    """The log with wheel pressures, those of the ``rear`` by a valve; ``delays`` by channel."""
     p = log["p_mc"]
     wheels = {f"p_{wheel}": rear(p) if wheel[0] == "r" else p for wheel in ("fl", "fr", "rl", "rr")}
     pressures = {"p_mc": p, **wheels}
@@ -115,14 +115,14 @@ def test_a_short_braking_and_a_run_without_noise(noise, delay):
 
 @pytest.mark.parametrize(("end", "duration"), [(4.5, 5.2), (9.0, 6.0)])
 @pytest.mark.parametrize("delay", [-2.0, -0.5, 0.4, 0.7])
-def test_a_delay_that_hides_the_braking_explains_nothing(end, duration, delay):
+def test_a_delay_beyond_the_braking_is_not_taken(end, duration, delay):
     """A tap, and a stop that the log ends with: with most of it unknown any delay would do."""
     log = made_run(stop(start=4.0, end=end), duration=duration, speed=40.0)
     assert estimated_delay(late(log, delay)).value == pytest.approx(-delay, abs=0.1)
 
 
 @pytest.mark.parametrize("delay", [-0.7, 0.0, 0.5, 1.0])
-def test_a_wheel_that_locks_ends_what_tells_of_the_delay(delay):
+def test_the_delay_is_that_before_a_wheel_locks(delay):
     log = made_run(stop(start=4.0, end=7.0), duration=8.0, speed=40.0)
     omega = np.where(log.time > 5.0, 0.3, 1.0) * log["omega_fl"]
     a_x = np.where(log.time > 5.0, 0.7, 1.0) * log["a_x"]
@@ -131,7 +131,7 @@ def test_a_wheel_that_locks_ends_what_tells_of_the_delay(delay):
     assert estimate.explained > 0.98
 
 
-def test_wheels_that_do_not_follow_the_pedal_are_told_by_the_deceleration():
+def test_wheel_pressures_that_do_not_follow_the_pedal_are_judged_by_the_deceleration():
     """A motor takes what it can before the brakes do; a car is held while its pedal is free."""
     log = made_run(ramp(start=4.0, rate=12.0), duration=10.0, speed=40.0)
     left = np.maximum(log["p_mc"] - 15e5, 0.0)
@@ -160,14 +160,14 @@ def test_a_pressure_that_comes_while_the_car_still_rolls(early):
 
 
 @pytest.mark.parametrize("bar", [0.0, 2.0])
-def test_a_wheel_whose_pressure_does_not_change_says_nothing(bar):
+def test_a_wheel_pressure_that_does_not_change_leaves_the_delay_finite(bar):
     hangs = changed(with_wheels(RUNS["ramp"]), p_fl=np.full_like(RUNS["ramp"].time, 1e5 * bar))
     delays = Run(hangs).pressures.values()
     assert delays
     assert np.isfinite([x.value for x in delays]).all()
 
 
-def test_without_a_braking_or_a_lead_in_nothing_is_said():
+def test_without_a_braking_or_a_lead_in_there_is_no_delay():
     assert estimated_delay(made_run(lambda t: 0.0 * t)) is None
     log = made_run(stop(start=0.1))
     without_lead_in = replace(log, channels={k: x[100:] for k, x in log.channels.items()})

@@ -119,7 +119,7 @@ def test_one_known_effect_gives_the_other_from_a_lead_in(ramp):
     assert np.sqrt(estimate.covariance[1][1]) < 0.2 * PRIOR[1].spread
 
 
-def test_neither_is_ever_negative(coast):
+def test_drag_and_rolling_are_never_negative(coast):
     b, density = measured(coast)
     pushed = replace(b, z=b.z - 0.05)  # a driven car
     assert min(identify(CAR, [(pushed, density)]).mean) == 0.0

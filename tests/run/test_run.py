@@ -41,7 +41,7 @@ def share(log):
 
 
 @pytest.mark.parametrize("pressure", [ramp(), stop(), stop(level=8.0), stop(end=4.0)])
-def test_the_pressure_of_the_run_explains_it(pressure):
+def test_the_pressure_of_the_run_explains_its_deceleration(pressure):
     assert share(made_run(pressure)) > 0.98
 
 
@@ -60,7 +60,7 @@ def test_pads_that_lose_a_third_and_lines_that_lag_are_no_mistake():
     [lambda t: 0.0 * t, stop(start=4.0), lambda t: 25.0 * ((t > 1.5) & (np.sin(3.0 * t) > 0.0))],
     ids=["none", "later", "on and off"],
 )
-def test_a_pressure_of_another_run_does_not(pressure):
+def test_the_pressure_of_another_run_does_not_explain_it(pressure):
     wrong = changed(RUN, p_mc=made_run(pressure)["p_mc"])
     assert share(wrong) < 0.85
     for purpose in ("fit", "validate", "diagnose"):

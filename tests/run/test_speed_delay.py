@@ -52,12 +52,12 @@ def test_a_late_speed_is_put_in_time(name, delay):
     ],
     ids=["nothing", "usual delay", "scale", "zero", "radius"],
 )
-def test_what_is_no_delay_is_left_alone(name, change):
+def test_a_speed_in_time_is_left_alone(name, change):
     log = RUNS[name]
     assert not delay_of(changed(log, **change(log))).late
 
 
-def test_what_is_not_sharp_is_not_used():
+def test_a_late_speed_of_uncertain_delay_is_not_used():
     """A slow ramp bends v at the bite by so little that a slope which changes may do it, too."""
     slow = late(noisy(ramp(REAL), 1), 0.2)
     estimate = delay_of(slow)

@@ -128,7 +128,7 @@ def spiked(share):
     ],
     ids=["mild", "slow", "spikes", "spikes without v", "ramp", "stop"],
 )
-def test_what_is_no_abs(log):
+def test_mild_slow_or_single_slips_are_no_abs(log):
     assert slip_of(log).cycles == slip_of(log).locked == ()
 
 
@@ -157,7 +157,7 @@ def plain(car):
 
 
 @pytest.mark.parametrize("pair", PAIRS, ids="-".join)
-def test_each_pair_is_named(plain, pair):
+def test_each_pair_of_exchanged_wheels_is_named(plain, pair):
     expected = parts_of(plain).axles.value
     log = exchanged(plain, pair)
     side, diagonal = crossed_side(parts_of(log)), crossed_diagonal(parts_of(log), expected)
@@ -170,7 +170,7 @@ def test_each_pair_is_named(plain, pair):
 
 
 @pytest.mark.parametrize("kind", ["plain", "bend", "weak caliper", "uneven brakes", "small wheel"])
-def test_what_looks_like_it_is_not_named(car, plain, kind):
+def test_a_bend_or_an_uneven_brake_is_no_exchange(car, plain, kind):
     run, expected = car.runs["stop_1"], parts_of(plain).axles.value
     log = {
         "plain": lambda: plain,

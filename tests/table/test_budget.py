@@ -36,7 +36,7 @@ def test_every_part_has_an_advice_of_its_own(kind, lacks):
         assert line.startswith(tuple(useful)), part
 
 
-def test_a_mass_that_was_stated_needs_no_scale():
+def test_a_weighed_mass_needs_no_scale():
     other_parts = {"tyres": 0.03, "unlike_pads": 0.01}
     for mass, advised in ((0.005, False), (0.02, False), (0.03, True), (0.0329, True)):
         lines = advice_lines([{"mass": mass, **other_parts}] * 2)

@@ -87,9 +87,9 @@ def test_numbers_may_differ_by_rounding_and_by_no_more(share, row):
     table = made_table()
     largest = np.abs(table.paper.f1).max()
 
-    def moved(by):
+    def moved(share_of_largest):
         f1 = table.paper.f1.copy()
-        f1[row] += by * largest
+        f1[row] += share_of_largest * largest
         return replace(table, paper=replace(table.paper, f1=f1))
 
     assert is_same_fit(table, moved(0.5 * share * TOLERANCE))

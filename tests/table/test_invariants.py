@@ -14,7 +14,7 @@ def changed(curve, column, row, value):
     return replace(curve, **{column: cells})
 
 
-def test_the_closed_form_is_sound(table):
+def test_a_sound_table_violates_nothing(table):
     assert violations(table) == ()
 
 
@@ -40,7 +40,7 @@ def test_a_wrong_cell_is_named(table, part, column, row, value, says):
     assert re.search(says, flaws), flaws
 
 
-def test_18_is_held_to_a_billionth(table):
+def test_equation_18_holds_to_a_billionth(table):
     f1 = table.paper.f1[9]
     nearly = replace(table, paper=changed(table.paper, "f1", 9, f1 + 0.9e-9))
     assert violations(nearly) == ()
@@ -49,7 +49,7 @@ def test_18_is_held_to_a_billionth(table):
     assert "(18)" in violations(off)[0]
 
 
-def test_D_is_nought_at_eta_1(table):
+def test_D_is_zero_at_eta_1(table):
     D = table.difference
     moved = replace(table, difference=replace(D, D=D.D + 1e-6, upper=D.upper + 1e-6))
     assert any("where it must be 0" in flaw for flaw in violations(moved))

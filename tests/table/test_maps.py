@@ -28,7 +28,7 @@ def test_rows_are_every_combination_and_a_grid_has_the_shape_of_the_axes():
     assert pad_map.bounded_columns == ("ratio", "change")
 
 
-def test_it_is_read_linearly_along_each_axis_and_clamped():
+def test_a_map_is_read_linearly_along_each_axis_and_clamped():
     """The truth is an interpolator of SciPy on random numbers."""
     rng = np.random.default_rng(3)
     axes = [np.sort(rng.random(n)) for n in (4, 5, 3)]
@@ -99,7 +99,7 @@ def test_a_table_differs_from_one_with_other_draws():
     assert difference.verdict == "equal within bands"
 
 
-def test_maps_are_compared_where_two_fits_are():
+def test_two_fits_are_the_same_only_if_their_maps_are():
     table = made_table()
     near, far = (
         replace(made_table(), map=replace(made_map(), ratio=made_map().ratio * (1.0 + change)))
