@@ -29,10 +29,12 @@ class _Quantity(NamedTuple):
 
 
 def quantities(table: Table) -> list[_Quantity]:
-    """Return the quantities that the fit draws, first the (ln of the) ratios of pads and tyres."""
+    """Return the quantities of a fit, pads and tyres first; ratios, grip and cg are logarithms."""
     e = ensemble_of(table.vehicle, table.draws)
-    pads = CAR.log_pad_ratio._replace(sigma=pad_ratio_prior(table.vehicle, None).sigma)
+    pad_sigma = pad_ratio_prior(table.vehicle, bench=None).sigma  # by the tolerances of the file
+    pads = CAR.log_pad_ratio._replace(sigma=pad_sigma)
     compliance = 0.5 * (e.compliance_f + e.compliance_r)
+    # ln of the ratio of two compliances near the usual one, to first order
     tyre_ratio = (e.compliance_f - e.compliance_r) / CAR.compliance.mean
     return [
         _Quantity("pad ratio", e.log_pad_ratio, pads),
@@ -48,7 +50,7 @@ def quantities(table: Table) -> list[_Quantity]:
 
 
 def forest(table: Table) -> Panel:
-    """Return the panel with prior and posterior of each quantity, and how much width is left."""
+    """Return the panel with prior and posterior of each quantity, and the ratio of their widths."""
     rows = quantities(table)[::-1]
     lines, texts = list[Line](), []
     for i, quantity in enumerate(rows):
@@ -58,7 +60,8 @@ def forest(table: Table) -> Panel:
         label = "" if i else "posterior, 95 %"
         lines.append(Line([low, high], [i, i], FRONT, label))
         lines.append(Line([middle], [i], dots(FRONT, 4.0)))
-        texts.append((f"{50.0 * (high - low):.0f} % left", _AXIS_END, i + 0.25))
+        share = 0.5 * (high - low)  # width of the posterior over that of the prior, which is 2
+        texts.append((f"{100.0 * share:.0f} % left", _AXIS_END, i + 0.25))
     return Panel(
         "posterior",
         "Prior and posterior",
@@ -83,7 +86,7 @@ def pairs(table: Table) -> Panel:
     return Panel(
         "pairs",
         f"Pads against tyres, correlation {correlation:.2f}",
-        "ratio of front to rear pads, over the file's [%]",
-        "front less rear compliance [%]",
+        "ln of front over rear pads, less that of the file [%]",
+        "front less rear compliance, over the usual one [%]",
         lines,
     )
