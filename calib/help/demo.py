@@ -16,8 +16,6 @@ from calib.base.plain import counted, rows
 from calib.show.facts import FAILED, PASSED, WORDS, Facts, Table
 
 INDEX = "index.html"
-_THUMBNAIL, _SHADES = 160, 15
-"""Approximate width of a picture in the index [px]; steps from no to full red, green and blue."""
 
 
 @dataclass(frozen=True)
@@ -26,7 +24,7 @@ class Step:
 
     figure: str  # number of the paper's figure that the command draws, "" for none
     purpose: str
-    leaves: str  # path of the page or picture that the command writes, "" for none
+    output: str  # path of the page or picture that the command writes, "" for none
     expected: str  # text that a right answer contains
     line: str
 
@@ -47,10 +45,9 @@ def demo_facts(ran: Mapping[Step, Ran], folder: Path) -> Facts:
     passed = sum(answer.passed for answer in ran.values())
     verdict = PASSED if passed == len(ran) else FAILED
     commands = {step.purpose: step for step in ran if not step.figure}
-    in_order = sorted(  # "10 and 11" is sorted as 10
-        (step for step in ran if step.figure), key=lambda step: int(step.figure.split()[0])
-    )
-    figures = {f"Fig. {step.figure}: {step.purpose}": step for step in in_order}
+    drawing = [step for step in ran if step.figure]
+    drawing.sort(key=lambda step: int(step.figure.split()[0]))  # "10 and 11" is sorted as 10
+    figures = {f"Fig. {step.figure}: {step.purpose}": step for step in drawing}
     of_commands = "What was done; each command can be typed again in this folder."
     return Facts(
         title="brake-cal demo",
@@ -70,7 +67,7 @@ def _table(caption: str, steps: Mapping[str, Step], ran: Mapping[Step, Ran], fol
     rows, verdicts, links, images = [], [], [], []
     for name, step in steps.items():
         passed = ran[step].passed
-        link = step.leaves if passed else ""
+        link = step.output if passed else ""
         rows.append((name, step.line, ran[step].answer))
         verdicts.append(PASSED if passed else FAILED)
         links.append(link)
@@ -83,8 +80,9 @@ def _thumbnail(picture: Path) -> str:
     from matplotlib.image import imread, imsave
 
     pixels, buffer = imread(picture), io.BytesIO()  # (height, width, colours) from 0 to 1
-    side = max(1, pixels.shape[1] // _THUMBNAIL)  # of a square [px]
+    side = max(1, pixels.shape[1] // 160)  # of a square [px]: about 160 squares in a row
     height, width = (size // side for size in pixels.shape[:2])  # in squares
     squares = pixels[: height * side, : width * side, :3].reshape(height, side, width, side, 3)
-    imsave(buffer, np.rint(_SHADES * squares.mean(axis=(1, 3))) / _SHADES, format="png")
+    colours = np.rint(15.0 * squares.mean(axis=(1, 3))) / 15.0  # in 15 steps, for a small file
+    imsave(buffer, colours, format="png")
     return f"data:image/png;base64,{base64.b64encode(buffer.getvalue()).decode()}"

@@ -63,8 +63,9 @@ def examine(store: Path | None = None) -> tuple[_Finding, ...]:
     store_of_settings = None
     try:
         project = find_project()
+        store_of_settings = project.settings["store"]
         file = str(project.file or "no brake-cal.toml: the usual values")
-        settings, store_of_settings = _Finding("settings", FINE, file), project.settings["store"]
+        settings = _Finding("settings", FINE, file)
     except SettingsError as error:
         settings = _Finding("settings", WRONG, str(error), "mend the file")
     of_packages = [_package(*package) for package in packages()]

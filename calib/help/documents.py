@@ -60,10 +60,9 @@ class Document:
 
 def _value(words: str, meaning: str) -> dict[str, Any]:
     """Return the JSON Schema of a value of the type ``words``: "list of texts or null"."""
-    not_null = words.removesuffix(" or null")
-    container, _, items = not_null.partition(" of ")
-    kind = _TYPES[container]
-    schema: dict[str, Any] = {"type": kind if words == not_null else [kind, "null"]}
+    container, _, items = words.removesuffix(" or null").partition(" of ")
+    kind, can_be_null = _TYPES[container], words.endswith(" or null")
+    schema: dict[str, Any] = {"type": [kind, "null"] if can_be_null else kind}
     if items:
         schema["items"] = {"type": _TYPES[items.removesuffix("s")]}
     return schema | {"description": meaning}

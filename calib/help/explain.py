@@ -34,7 +34,8 @@ def _rules(code: str) -> list[Row]:
         if rule.code != code:
             continue
         texts = [_without_values(cause) for cause in (*rule.causes, *rule.causes_below)]
-        causes, purposes = [text for text in texts if text != "..."], ", ".join(rule.purposes)
+        causes = [text for text in texts if text != "..."]  # "...": known only from a log
+        purposes = ", ".join(rule.purposes)
         rows += [
             ("measures", f"{rule.title}, in {rule.unit}" if rule.unit != "1" else rule.title),
             ("expected", f"{_range(rule.low, rule.high)} ({purposes}), {_ELSE[rule.consequence]}"),
@@ -51,7 +52,7 @@ def _without_values(text: str) -> str:
 
 def _range(low: float, high: float) -> str:
     words = range_words(*("" if math.isinf(end) else f"{end:g}" for end in (low, high)))
-    return "what cars have" if words == "none" else words
+    return "what cars have" if words == "none" else words  # computed from the log or the car
 
 
 def _metric(code: str) -> list[Row]:

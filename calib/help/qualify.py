@@ -79,11 +79,12 @@ _Suite = Mapping[Callable[[], tuple[float, ...]], _Checks]
 
 def _checks(measure: str) -> _Checks:
     """Return the checks of the numbers of a ``measure``, in their order."""
-    return [
-        {**row, "expected": float(row["expected"]), "tolerance": float(row["tolerance"])}
-        for row in rows_of("checks.csv", "calib.help")
-        if row.pop("measure") == measure
-    ]
+    checks = []
+    for row in rows_of("checks.csv", "calib.help"):
+        if row.pop("measure") == measure:
+            numbers = {key: float(row[key]) for key in ("expected", "tolerance")}
+            checks.append({**row, **numbers})
+    return checks
 
 
 SUITE: _Suite = {
@@ -139,7 +140,8 @@ def qualification_facts(document: dict[str, Any]) -> Facts:
     for check in checks:
         value = check["error"] if check["value"] is None else f"{check['value']:.6g}"
         numbers = value, f"{check['expected']:.6g}", f"{check['tolerance']:.3g}"
-        rows.append((check["name"], *numbers, *(check[x] for x in ("unit", "quantity", "truth"))))
+        texts = check["unit"], check["quantity"], check["truth"]
+        rows.append((check["name"], *numbers, *texts))
     table = Table(heads, rows, verdicts=[PASSED if x["held"] else FAILED for x in checks])
     machine = {**document["environment"], **document["packages"]}
     return Facts(

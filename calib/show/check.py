@@ -35,7 +35,9 @@ def _why(findings: Findings) -> str:
     fit = next(verdict for verdict in verdicts if verdict.purpose == "fit")
     if fit.usable or (findings.usable and not brakings):
         return ""
-    reasons = fit.reasons if brakings else min((v.reasons for v in verdicts), key=len)
+    reasons = fit.reasons
+    if not brakings:  # of no use: take the purpose that the fewest reasons exclude
+        reasons = min((verdict.reasons for verdict in verdicts), key=len)
     more = f" (and {len(reasons) - 1} more)" if len(reasons) > 1 else ""
     if findings.usable:
         reason, _, _ = reasons[0].partition("; ")  # the second half says what to do

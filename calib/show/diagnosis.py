@@ -1,8 +1,8 @@
 """Facts of a diagnosis: the verdict, the named effects, the gap on the hold-outs.
 
-The gap is what open-loop replays of the hold-outs differ from the measurement, before the effects
-were added and after. An empirical term fits what no named effect explains, over its driver, the
-quantity that it depends on.
+The gap is the difference between open-loop replays of the hold-outs and the measurement, before
+the effects were added and after. An empirical term fits what no named effect explains, over its
+driver, the quantity that it depends on.
 """
 
 from calib.base.plain import counted
@@ -37,8 +37,6 @@ _DRIVERS = {
     SLIP: "the slip, as brake control does",
 }
 """Drivers of empirical terms in words; any other driver is its own word."""
-_WITHIN = 1.0
-"""Smallest gap over the sensors' noise [1] that speaks for an unknown cause."""
 _SPEED = "Speed of the open-loop replays of the hold-outs less the measured one."
 _LARGEST = "Replay less measurement of {}, the log with the largest gap; the band is the noise."
 _GAP = "By log and channel, over the noise of the sensors, after the noise was subtracted."
@@ -111,7 +109,7 @@ def outcome(diagnosis: Diagnosis) -> str:
     "worse": the named effects do not make it smaller. "rest", "ambiguous_rest": something remains
     that no effect explains. "within_noise": there is no gap that an unknown cause could explain.
     """
-    if diagnosis.verdict == "unknown" and diagnosis.gap.rms_before < _WITHIN:
+    if diagnosis.verdict == "unknown" and diagnosis.gap.rms_before < 1.0:  # times the noise
         return "within_noise"
     if diagnosis.verdict not in ("named", "ambiguous"):
         return diagnosis.verdict
@@ -153,13 +151,13 @@ def _effect(effect: Named, diagnosis: Diagnosis) -> Facts:
     ranges = [span(region.pressure, "Pa"), span(region.speed, "m/s")]
     if region.temperature is not None:
         ranges.append(f"discs of {span(region.temperature, 'degC')}")
-    with_effect = diagnosis.reduced_after
-    without = with_effect + effect.evidence.innovation_gain
-    evidence = f"without it the {_INNOVATION} is {without:.3f} instead of {with_effect:.3f}"
+    with_all = diagnosis.reduced_after
+    without_this = with_all + effect.evidence.innovation_gain
+    evidence = f"without it the {_INNOVATION} is {without_this:.3f} instead of {with_all:.3f}"
     evidence += f", on the hold-outs {effect.evidence.innovation_gain_holdout:.2f} more"
     if runner_up is not None:
-        innovation = diagnosis.reduced_before - runner_up.innovation_gain
-        evidence += f"; next best: {spaced(runner_up.name)}, {innovation:.3f}"
+        with_runner_up = diagnosis.reduced_before - runner_up.innovation_gain
+        evidence += f"; next best: {spaced(runner_up.name)}, {with_runner_up:.3f}"
     rows: list[Row] = [
         ("Cause", card.cause),
         ("Acts", f"{region.axle}; strongest in {region.channel}, at {', '.join(ranges)}"),
@@ -182,8 +180,8 @@ def _something_else(diagnosis: Diagnosis) -> str:
 
 def _withdrawn(diagnosis: Diagnosis) -> str:
     """Return the effects that were rejected, with the reasons; "" without any."""
-    worse = "; ".join(listed(names) for names in diagnosis.withdrawn)
-    reasons = [f"{worse}: worse on the hold-outs"] if worse else []
+    withdrawn = "; ".join(listed(names) for names in diagnosis.withdrawn)
+    reasons = [f"{withdrawn}: worse on the hold-outs"] if withdrawn else []
     last_search = diagnosis.steps[-1]
     if diagnosis.verdict == "unknown" and last_search:
         reasons.append(f"{listed(last_search)}: explains less than an empirical term alone")
@@ -217,7 +215,7 @@ def _gap(diagnosis: Diagnosis) -> Facts:
     """Return the part with the gap by hold-out and channel, over the noise of each channel."""
     gap, rows = diagnosis.gap, list[tuple[str, ...]]()
     for i, log in enumerate(gap.logs, 1):
-        ends = [gap.rms(log, channel) for channel in (None, *CHANNELS)]
+        ends = [gap.rms(log, channel) for channel in (None, *CHANNELS)]  # None: all together
         cells = [f"{before:.1f}" for before, _ in ends]
         if has_changed(diagnosis):
             cells = [f"{before:.1f} to {after:.1f}" for before, after in ends]

@@ -28,13 +28,15 @@ _LETTERS = 30
 
 
 def diagnosis_sheet(diagnosis: Diagnosis) -> Sheet:
-    """Return the sheet of a diagnosis: speed of all hold-outs, the rest of the worst one."""
-    name, log = diagnosis.model_before.vehicle.name, [worst(diagnosis)]
-    logs, (weights, words) = range(len(diagnosis.measured)), _split_of(diagnosis)
+    """Return the sheet of a diagnosis: v of all hold-outs, a_x and wheel speeds of the worst."""
+    name = diagnosis.model_before.vehicle.name
+    logs, worst_log = range(len(diagnosis.measured)), [worst(diagnosis)]
+    weights, words = _split_of(diagnosis)
+    a_x = "acceleration", "Acceleration", "a_x [m/s\u00b2]"
     panels = (
         _errors(diagnosis, ("speed", "Speed", "v [m/s]"), logs, {"v": 1.0}),
-        _errors(diagnosis, ("acceleration", "Acceleration", "a_x [m/s\u00b2]"), log, {"a_x": 1.0}),
-        _errors(diagnosis, ("split", f"Wheel speeds, {words}", "[rad/s]"), log, weights),
+        _errors(diagnosis, a_x, worst_log, {"a_x": 1.0}),
+        _errors(diagnosis, ("split", f"Wheel speeds, {words}", "[rad/s]"), worst_log, weights),
         *([_term(diagnosis.unexplained.term)] if diagnosis.unexplained else []),
     )
     return Sheet(
@@ -107,7 +109,8 @@ def _errors(
         replays = [("replay", diagnosis.replays_before, NOMINAL)]
     duration = sum(float(np.ptp(diagnosis.measured[i].time)) for i in logs)
     for i in logs:
-        measured, is_first = diagnosis.measured[i], not lines  # the legend names the first log's
+        measured = diagnosis.measured[i]
+        is_first = not lines  # the legend names the lines of the first log only
         end = start + float(measured.time[-1] - measured.time[0])
         label = "noise, 95 %" if is_first else ""
         lines.append(Line([start, end], [0.0, 0.0], _NOISE, label, band))
@@ -119,8 +122,8 @@ def _errors(
             stride = samples_in(_STEP, measured.sample_time)
             mean = smooth(time, np.asarray(error))[::stride]
             lines.append(Line(start + time[::stride], mean, stroke, word if is_first else ""))
-        letters = min(_LETTERS, int(2 * _LETTERS * (end - start) / duration))
-        names.append((as_text(f"{i + 1} {measured.name}"[:letters]), start))
+        letters = int(2 * _LETTERS * (end - start) / duration)  # by the share of the panel
+        names.append((as_text(f"{i + 1} {measured.name}"[: min(letters, _LETTERS)]), start))
         start = end + _PAUSE
     values = [np.asarray(line.y) for line in lines]
     ends = axis_ends(*values, np.array([-half, half]), margin=0.2) or (-half, half)

@@ -26,11 +26,6 @@ _HALF_WIDTHS = {"front": "ecu_interval_f", "rear": "ecu_interval_r", "total": "e
 _ALONE = "none: it is a log of the fit, or run the command on it alone"
 """Text of a log that failed without a broken limit."""
 _THIN: Stroke = {"color": BODY["color"], "linewidth": 0.8}
-_LETTERS, _NAMED = 32, 8
-"""Letters that fit beside a panel; largest number of logs that a picture names."""
-_TAIL, _FEWEST = 6.0, 10
-"""Largest distance of an axis' end from the median, over `MetricSummary.scale`, and the fewest
-values to which it applies."""
 
 
 def fleet_facts(summary: Summary) -> Facts:
@@ -115,7 +110,6 @@ def _text_of(metric: MetricSummary) -> Callable[[float], str]:
 
 
 def _row(metric: MetricSummary) -> tuple[str, ...]:
-
     text_of = _text_of(metric)
     low, high = map(text_of, metric.inlier_range)
     return (
@@ -131,7 +125,8 @@ def metric_sheet(summary: Summary, metric: MetricSummary) -> Sheet:
     """Return the sheet of one metric in its printed unit, with the names of the farthest logs."""
     printed = metric_of(metric.column.name, metric.column.unit)
     factor, ends, outlying = printed.factor, window(metric), metric.outlying
-    x, axis = np.asarray(metric.rows + 1, float), (0.0, len(summary.logs) + 1.0)
+    x = np.asarray(metric.rows + 1, float)  # the first log of the fleet is at 1
+    axis = 0.0, len(summary.logs) + 1.0
     y: Array = factor * np.clip(metric.values, *ends)
     share = "90 % of the others" if outlying.any() else "90 % of the logs"
     low, high = (np.full(2, factor * end) for end in metric.inlier_range)
@@ -144,13 +139,13 @@ def metric_sheet(summary: Summary, metric: MetricSummary) -> Sheet:
     if outlying.any():
         lines.append(Line(x[outlying], y[outlying], dots(REAR, 5.0, "D", zorder=5), "stands apart"))
     by_distance = np.argsort(-np.abs(metric.values - metric.median), kind="stable")
-    farthest = [i for i in by_distance if outlying[i]][:_NAMED]
+    farthest = [i for i in by_distance if outlying[i]][:8]  # more names would overlap
     room = 0.06 * (ends[1] - ends[0])
     panel = Panel(
         "order",
         as_text(metric.name),
         "log, in the order of the names",
-        textwrap.fill(as_text(printed.heading), _LETTERS),
+        textwrap.fill(as_text(printed.heading), 32),  # letters that fit beside a panel
         lines,
         texts=[(as_text(names[metric.rows[i]]), x[i], y[i]) for i in farthest],
         xlim=axis,
@@ -162,10 +157,13 @@ def metric_sheet(summary: Summary, metric: MetricSummary) -> Sheet:
 
 
 def window(metric: MetricSummary) -> tuple[float, float]:
-    """Return the ends of the axis, in the unit of the values: all, or those within `_TAIL`."""
+    """Return the ends of an axis for the values of a metric, in their unit.
+
+    The axis shows all values; of ten or more, those within 6 `MetricSummary.scale` of the median.
+    """
     low, high = float(np.min(metric.values)), float(np.max(metric.values))
-    if metric.scale > 0.0 and metric.values.size >= _FEWEST:
-        tail = _TAIL * metric.scale
+    if metric.scale > 0.0 and metric.values.size >= 10:
+        tail = 6.0 * metric.scale
         low, high = max(low, metric.median - tail), min(high, metric.median + tail)
     are_equal = high - low <= 1e-9 * max(abs(low), abs(high))
     return (low - 0.5, high + 0.5) if are_equal else (low, high)

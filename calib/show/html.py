@@ -29,12 +29,8 @@ if TYPE_CHECKING:
 
 _GENERATOR, _HEAD = "brake-cal", 1000
 """Generator that every page names, and the number of its first bytes that hold this name."""
-_LONG = 3
-"""Fewest rows of a table that can be sorted, as in `tables.js`."""
 _ROOM = 900_000
 """Letters for the live pictures of a page; Bokeh has 400,000, the still pictures about 200,000."""
-_PANEL, _PARTS = (4.6, 3.1), 120
-"""Size of a panel [in], legible on a telephone; parts of the `envelope` of a line."""
 _UNQUOTED = " =/:;,.()+-*@!?[]{}|~\n<>'"
 """Characters that need no escape in a data URI within double quotes."""
 _UNSEEN = re.compile(
@@ -51,8 +47,6 @@ _PLACE = re.compile(r"(?<=[\s\"])-?\d+\.\d{3,}(?=[\s\"])(?=[^<>]*>)")
 """A coordinate with three decimals or more, inside a tag."""
 _LINE = re.compile(r"M(?: [-\d.]+ [-\d.]+ \nL)+ [-\d.]+ [-\d.]+ \n(?=z?\n?\"|M)")
 """A line of straight pieces; a path with gaps has several."""
-_HALF_A_PIXEL = 1.0 / 3.0
-"""Distance by which a shortened line may leave the line [pt]: half a pixel of a wide screen."""
 
 
 @cache
@@ -76,23 +70,23 @@ def page_of(facts: Facts, again: int = 0, live: bool = False) -> str:
     if script and not live:
         digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
         allowed_scripts = f"'sha256-{digest}'"
-    page = {
-        "facts": facts,
-        "again": again,
-        "generator": _GENERATOR,
-        "pictures": _Pictures(live),
-        "packed_bokeh": _packed_bokeh,
-        "script": script,
-        "allowed_scripts": allowed_scripts,
-        "table_of_warnings": _table_of_warnings,
-    }
-    return _template().render(page).lstrip()
+    page = _template().render(
+        facts=facts,
+        again=again,
+        generator=_GENERATOR,
+        pictures=_Pictures(live),
+        packed_bokeh=_packed_bokeh,
+        script=script,
+        allowed_scripts=allowed_scripts,
+        table_of_warnings=_table_of_warnings,
+    )
+    return page.lstrip()
 
 
 def _has_long_table(facts: Facts) -> bool:
-    """Whether the page has a table that is worth sorting."""
+    """Whether the page has a table that `tables.js` can sort: three rows or more."""
     tables = [len(facts.warnings), *(len(table.rows) for table in facts.tables)]
-    return max(tables) >= _LONG or any(map(_has_long_table, facts.parts))
+    return max(tables) >= 3 or any(map(_has_long_table, facts.parts))
 
 
 def _asset(name: str) -> str:
@@ -139,11 +133,12 @@ class _Pictures:
 
 def _panel(sheet: Sheet, name: str) -> str:
     """Return a panel as a data URI of an SVG, which is made small, as a page has many panels."""
-    figure = replace(sheet, title="", result="", note="").figure(name, _PANEL, _PARTS)
+    bare_sheet = replace(sheet, title="", result="", note="")
+    figure = bare_sheet.figure(name, size=(4.6, 3.1), parts=120)  # legible on a telephone
     svg = _UNSEEN.sub("", render(figure, ".svg", text=True).decode())
     svg = _LINE.sub(_shortened, svg)
     svg = _PLACE.sub(lambda place: f"{float(place[0]):.1f}", svg)  # to a tenth of a point
-    svg = _TAG.sub(lambda tag: tag[0].replace('"', "'"), svg)  # a URI has three letters for a quote
+    svg = _TAG.sub(lambda tag: tag[0].replace('"', "'"), svg)  # a quote would be %22
     svg = svg.replace(_STYLE, _STYLE + _FONT, 1)
     while "<g></g>" in svg:
         svg = svg.replace("<g></g>", "")
@@ -158,9 +153,11 @@ def _shortened(line: re.Match[str]) -> str:
     from matplotlib.path import Path
 
     path = Path(np.array([point.split() for point in line[0].removeprefix("M").split("L")], float))
-    path.should_simplify, path.simplify_threshold = True, _HALF_A_PIXEL
+    path.should_simplify = True
+    path.simplify_threshold = 1.0 / 3.0  # [pt]: half a pixel of a wide screen
     points = np.asarray(path.cleaned(simplify=True).vertices)[:-1]  # (m, 2), without its end mark
-    first, *steps = 0.1 * np.diff(np.rint(10.0 * points), axis=0, prepend=0.0)  # [pt], in tenths
+    tenths = np.rint(10.0 * points)  # tenths of a point
+    first, *steps = 0.1 * np.diff(tenths, axis=0, prepend=0.0)  # [pt], the first from (0, 0)
     moves = []
     for step in (first, *(step for step in steps if step.any())):
         x, y = (f"{way:.1f}".removesuffix(".0") for way in step)

@@ -21,10 +21,6 @@ from calib.show.style import LINE_WIDTH, Array, Stroke, envelope, pale
 
 EXTRA = "pages"
 """Extra of the package that brings Bokeh."""
-_PARTS = 25_000
-"""Parts of the `envelope` of a line; a line of at most 100,000 samples is drawn as it is."""
-_HEIGHT, _ROW = 250, 20
-"""Height of a panel and of each row of its legend [px]."""
 _PIXEL = 4.0 / 3.0
 """Pixels to the point."""
 _MARKERS = {
@@ -32,8 +28,6 @@ _MARKERS = {
     "s": "square", "P": "plus", "X": "x",
 }  # fmt: skip
 """Names of markers in Bokeh, by those in matplotlib."""
-_SCROLLS = ":host .bk-events { touch-action: pan-y !important; }"
-"""Style by which a finger that moves on a panel scrolls the page."""
 _LEGEND = {
     "click_policy": "hide", "location": "top_left", "border_line_color": None,
     "background_fill_alpha": 0.0, "label_text_font_size": "11px", "glyph_width": 22,
@@ -41,7 +35,6 @@ _LEGEND = {
 }  # fmt: skip
 _ID = re.compile(r'(?<="id": ")p\d+(?=")|(?<=[{ ]")p\d+(?=": "sheet-)')
 """Id of a model of Bokeh, in a document and where it names the place of a panel."""
-_COLOURS = 64  # of a field
 _TEXT = {"text_font_size": "10px", "x_offset": 5, "y_offset": 5, "text_baseline": "top"}
 
 
@@ -70,7 +63,7 @@ def script_of(sheet: Sheet, places: Mapping[str, str]) -> str:
         document.add_root(figure)
         roots[figure.id] = place
     call = f"live({json.dumps(document.to_json(deferred=False))}, {json.dumps(roots)});"
-    # Bokeh counts the models of a process; equal pages need ids that count those of the page
+    # Bokeh numbers all models of the process; numbered by their order here, equal pages are equal
     ids = {id_: f"p{number}" for number, id_ in enumerate(dict.fromkeys(_ID.findall(call)))}
     return _ID.sub(lambda id_: ids[id_[0]], call).replace("<", "\\u003c")
 
@@ -81,7 +74,7 @@ class _Drawing:
     def __init__(self) -> None:
         # data that lines with the same x share, by Python's `id` of x
         self.sources: dict[int, Any] = {}
-        # what panels with the same x axis share, by its name, ends and words
+        # what panels with the same x axis share, by its label, ends and ticks
         self.axes: dict[tuple[object, ...], tuple[Any, ...]] = {}
 
     def figure(self, panel: Panel) -> Any:
@@ -92,8 +85,9 @@ class _Drawing:
         ends, crosshair, *cursors = self._axis(panel)
         zoom = BoxZoomTool()
         labels = {line.label for line in panel.lines} | {mark.label for mark in panel.marks}
+        legend_rows = math.ceil(len(labels - {""}) / panel.columns)
         fig = figure(
-            height=_HEIGHT + _ROW * math.ceil(len(labels - {""}) / panel.columns),
+            height=250 + 20 * legend_rows,  # [px]
             sizing_mode="stretch_width",
             title=_plain(panel.title),
             x_axis_label=_plain(panel.x),
@@ -101,7 +95,8 @@ class _Drawing:
             x_range=ends,
             y_range=_ends(panel.y_ends),
             tools=[zoom, PanTool(), WheelZoomTool(), ResetTool(), crosshair],
-            stylesheets=[_SCROLLS],
+            # a finger that moves on a panel scrolls the page
+            stylesheets=[":host .bk-events { touch-action: pan-y !important; }"],
         )
         fig.toolbar.logo, fig.toolbar.active_drag, fig.toolbar.autohide = None, zoom, True
         lines = [self._line(fig, line) for line in panel.lines]
@@ -146,8 +141,9 @@ class _Drawing:
         """Put ``values``, (n,) each, into the data source of a line; return it and their names."""
         from bokeh.models import ColumnDataSource
 
-        points = envelope(line.line_values, _PARTS)
-        key = id(line.x) if points.size == len(line.x) else id(line)
+        points = envelope(line.line_values, 25_000)  # up to 100,000 samples are drawn as they are
+        is_complete = points.size == len(line.x)  # else another line has other points of this x
+        key = id(line.x) if is_complete else id(line)
         if key not in self.sources:
             self.sources[key] = ColumnDataSource({"x": np.asarray(line.x, float)[points]})
         source, names = self.sources[key], []
@@ -174,7 +170,8 @@ class _Drawing:
             fig.varea("x", *columns[1:3], **fill, **common)
         if raw:
             fig.line("x", columns.pop(), color=look["color"], line_alpha=RAW, **common)
-        glyph, common["name"] = None, name
+        glyph = None
+        common["name"] = name  # live.js tells the values of glyphs with a name
         if line.look.get("linestyle", "-"):
             glyph = fig.line("x", columns[0], **look, **common)
         if "marker" in line.look:
@@ -189,17 +186,21 @@ def _hover(panel: Panel, lines: Sequence[tuple[Any, list[str]]]) -> Any:
     """Return the tool that tells values at the pointer; None for a panel without a named line.
 
     ``lines`` are the results of `_Drawing._line`. The tool tells the lines that share the data
-    source of most lines, and so one x. live.js writes the text from the ``tags``: a row for x, and
-    one for each line, of a name and names of columns.
+    source of most lines, and so one x. live.js writes the text from the ``tags``, one for x and one
+    for each line: a name, and the names of its columns.
     """
     from bokeh.models import HoverTool
 
-    named = [(glyph, row) for glyph, row in lines if glyph and (row[0] or len(lines) == 1)]
+    named = [
+        (glyph, [name or _plain(panel.y), *columns])
+        for glyph, (name, *columns) in lines
+        if glyph and (name or len(lines) == 1)
+    ]
     if not named:
         return None
     commonest, _ = Counter(id(glyph.data_source) for glyph, _ in named).most_common(1)[0]
-    hovered = [(glyph, row) for glyph, row in named if id(glyph.data_source) == commonest]
-    tags = [[_plain(panel.x), "x"], *([row[0] or _plain(panel.y), *row[1:]] for _, row in hovered)]
+    hovered = [(glyph, tag) for glyph, tag in named if id(glyph.data_source) == commonest]
+    tags = [[_plain(panel.x), "x"], *(tag for _, tag in hovered)]
     look = {"mode": "vline", "point_policy": "follow_mouse"}
     return HoverTool(renderers=[hovered[0][0]], tags=tags, **look)
 
@@ -211,7 +212,7 @@ def _image(fig: Any, panel: Panel, field: Field) -> None:
     from matplotlib.colors import to_hex
 
     (left, right, bottom, top), (cmap, low, high) = field.ends, field.scale
-    colours = [to_hex(colour) for colour in colormaps[cmap](np.linspace(0.0, 1.0, _COLOURS))]
+    colours = [to_hex(colour) for colour in colormaps[cmap](np.linspace(0.0, 1.0, 64))]
     mapper = LinearColorMapper(colours, low=low, high=high, nan_color="#ffffff")
     place = {"x": left, "y": bottom, "dw": right - left, "dh": top - bottom, "level": "image"}
     source = ColumnDataSource({"image": [_short(field.values)]})
@@ -224,7 +225,7 @@ def _image(fig: Any, panel: Panel, field: Field) -> None:
             source.data[f"slice{i}"] = [np.nan_to_num((values - first) / step).astype("u1")]
     image = fig.image("image", source=source, color_mapper=mapper, **place)
     fig.add_layout(image.construct_color_bar(width=12), "right")
-    tags = ["", *map(_plain, (panel.x, panel.y)), *field.torques]
+    tags = [_plain(panel.x), _plain(panel.y), *field.torques]
     fig.add_tools(HoverTool(renderers=[image], tags=tags))
 
 

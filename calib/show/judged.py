@@ -27,7 +27,7 @@ def judged(caption: str, groups: Sequence[Sequence[Judgement]]) -> tuple[Table, 
     A group has the judgements of one metric: a single one of a car, or one of each stop. A note
     names the metrics that are not known.
     """
-    rows, unknown = [], []
+    rows, verdicts, unknown = [], [], []
     for group in sorted(groups, key=lambda group: _WORST_FIRST.index(_worst(group))):
         first, verdict = group[0], _worst(group)
         metric = metric_of(first.figure)
@@ -42,8 +42,9 @@ def judged(caption: str, groups: Sequence[Sequence[Judgement]]) -> tuple[Table, 
         warn = metric.bounds(first.warn_low, first.warn_high)
         bounds = ["" if words == "none" else words for words in (limit, warn)]
         rows.append((metric.name, text, *bounds, verdict, first.figure))
+        verdicts.append(verdict)
     notes = [f"Not known and so not judged: {', '.join(unknown)}."] if unknown else []
-    return Table(_HEADS, rows, caption, [row[4] for row in rows]), notes
+    return Table(_HEADS, rows, caption, verdicts), notes
 
 
 def stop_by_stop(results: Sequence[Validation]) -> tuple[Table, list[str]]:

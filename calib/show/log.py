@@ -35,8 +35,6 @@ _EVENTS: dict[str, Stroke] = {
 """Looks of events: the first three are spans, pale below the lines; the last is a moment."""
 _STROKES = {**style.WHEEL_STROKES, "f": style.FRONT, "r": style.REAR}
 _TIME = "time [s]"
-_HEIGHT = 0.72
-"""Height of a panel, as in `Sheet.heights`."""
 _ONE_COLUMN, MAX_PANELS = 8, 24
 """Largest number of panels in a single column, and in a picture."""
 _TITLES = {
@@ -91,7 +89,7 @@ def log_sheet(log: WholeLog, events: Iterable[RunEvent] = ()) -> Sheet:
     all_events, channels, panels = list(events), channels_log(log), list[Panel]()
     for label, columns in groups.items():
         kind = _kind(columns[0].name)
-        name = label if kind in {panel.name for panel in panels} else kind
+        name = label if kind in {panel.name for panel in panels} else kind  # label: in another unit
         lines = []
         for column in columns:
             place = column.name.rpartition("_")[2] if len(columns) > 1 else ""  # fl, f ...
@@ -113,7 +111,7 @@ def log_sheet(log: WholeLog, events: Iterable[RunEvent] = ()) -> Sheet:
         name=log.name,
         panels=tuple(marked),
         rows=rows_of(names, 2 if len(names) > _ONE_COLUMN else 1),
-        heights=(_HEIGHT,),
+        heights=(0.72,),
         title=f"Log {log.name}",
         note=f"Digest {log.digest[:16]}, {time.size} samples. Nothing is filtered.",
     )
@@ -140,10 +138,10 @@ def _eta(log: Log) -> Array:
 
 def _marks(events: Iterable[RunEvent], named: bool) -> list[Mark]:
     """Return the events as marks; if ``named``, the legend has each kind once."""
-    marks, unnamed = [], set(_EVENTS if named else ())
+    marks = list[Mark]()
     for event in events:
-        label = event.kind if event.kind in unnamed else ""
-        unnamed.discard(event.kind)
+        is_new = event.kind not in {mark.label for mark in marks}
+        label = event.kind if named and is_new else ""
         marks.append(Mark(event.start, event.end, _EVENTS[event.kind], label))
     return marks
 

@@ -20,16 +20,6 @@ from calib.show.style import BODY, ETA, WHEEL_STROKES, Array, dots
 from calib.table.maps import Reader
 from calib.table.table import Table
 
-_SMALLEST_SHARE = 0.02
-"""A place of the map that a smaller share of the stops at its z meets stays white [1]."""
-_STEPS = 56
-"""Places of the drawn map along each axis."""
-_AROUND = 1.5
-"""Ends of the axes over the largest eta - 1 and z of the ramp and of the stops [1]."""
-_POINTS, _SLICES = 400, 4
-"""Approximate number of drawn points of a stop; number of slices over slip for a browser."""
-_SLIP = "slip, in standard deviations of stops"
-
 
 def map_panels(
     table: Table, stops: Mapping[str, tuple[Array, Array]] = MappingProxyType({})
@@ -38,17 +28,18 @@ def map_panels(
 
     ``stops`` are eta - 1 and z of stops, (n,) each, by the names of the stops.
     """
-    axes, (low, high) = _axes(table, [*stops.values()]), table.map.axes["slip"][[0, -1]]
-    slider = _SLIP, float(low), float(high)
-    ratios, halves = [], []  # first at the usual slip, then the slices for a browser
-    for slip in (0.0, *np.linspace(low, high, _SLICES)):
+    axes = _axes(table, [*stops.values()])
+    low, high = table.map.axes["slip"][[0, -1]]
+    slider = "slip, in standard deviations of stops", float(low), float(high)
+    ratios, halves = [], []  # first at the usual slip, then four slices for a browser
+    for slip in (0.0, *np.linspace(low, high, 4)):
         change, lower, upper = _read(table, axes, slip)
         ratios.append(np.exp(change))
         halves.append(50.0 * (np.exp(upper) - np.exp(lower)))  # [%]
     thick = {**BODY, "linewidth": 1.8}
     lines = [Line(100.0 * (table.paper.eta - 1.0), table.paper.z, thick, "the ramp")]
     for (name, samples), look in zip(stops.items(), cycle(WHEEL_STROKES.values())):
-        eta_less_1, z = (values[:: 1 + values.size // _POINTS] for values in samples)
+        eta_less_1, z = (values[:: 1 + values.size // 400] for values in samples)  # some 400 points
         lines.append(Line(100.0 * eta_less_1, z, dots(look, 2.0, rasterized=True), name))
     x, y = 100.0 * axes[0].ravel(), axes[1].ravel()
     ends = x[0], x[-1], y[0], y[-1]
@@ -57,8 +48,9 @@ def map_panels(
         return Panel(name, title, ETA, "deceleration over g [1]", lines, xlim=ends[:2],
                      ylim=ends[2:], columns=2, field=field)  # fmt: skip
 
-    ratio = Field(ratios[0], ends, 1.0, ratios[1:], slider, _torques(table))
-    half_width = Field(halves[0], ends, None, halves[1:], slider)
+    torques = _torques(table)
+    ratio = Field(ratios[0], ends, middle=1.0, slices=ratios[1:], slider=slider, torques=torques)
+    half_width = Field(halves[0], ends, slices=halves[1:], slider=slider)
     return (
         panel("map", "Map: front over rear pads, over the ramp's [1]", ratio),
         panel("map-band", "Half width of its 95 % interval [%]", half_width),
@@ -66,26 +58,29 @@ def map_panels(
 
 
 def _axes(table: Table, stops: Sequence[tuple[Array, Array]]) -> tuple[Array, Array]:
-    """Return eta - 1 (1, k) and z (k, 1) of the places, around the ramp and the ``stops``."""
+    """Return eta - 1 (1, 56) and z (56, 1) of the places, around the ramp and the ``stops``."""
     drawn = [(table.paper.eta - 1.0, table.paper.z), *stops]
     eta_less_1, z = (np.concatenate(values) for values in zip(*drawn, strict=True))
-    left, right = 1.1 * min(np.nanmin(eta_less_1), 0.0), _AROUND * np.nanmax(eta_less_1)
-    top = min(_AROUND * np.nanmax(z), table.map.axes["z"][-1])
-    return np.linspace(left, right, _STEPS)[None], np.linspace(0.0, top, _STEPS)[:, None]
+    left, right = 1.1 * min(np.nanmin(eta_less_1), 0.0), 1.5 * np.nanmax(eta_less_1)
+    top = min(1.5 * np.nanmax(z), table.map.axes["z"][-1])
+    return np.linspace(left, right, 56)[None], np.linspace(0.0, top, 56)[:, None]
 
 
 def _read(table: Table, axes: tuple[Array, Array], slip: float) -> list[Array]:
-    """Return ln of the drawn ratio and of its bounds, (k, k) each; NaN where hardly a stop is."""
+    """Return ln of the drawn ratio and of its bounds, (56, 56) each.
+
+    They are NaN, and so white, where at most 2 % of the stops at the same z are.
+    """
     eta_less_1, z = axes
     shift = eta_less_1 / np.maximum(z, table.map.axes["z"][0])  # (eta - 1)/z, an axis of the map
     read = Reader(table.map, ("change", "change_lower", "change_upper", "share"))
     *changes, share = read(z, shift, slip)
-    return [np.where(share > _SMALLEST_SHARE, change, np.nan) for change in changes]
+    return [np.where(share > 0.02, change, np.nan) for change in changes]
 
 
 def _torques(table: Table) -> tuple[float, float, float]:
     """Return `Field.torques` at the mean pad level of the table."""
     car, level = table.vehicle, float(np.exp(np.mean(table.level_map.level)))
-    share = float(front_share(car, table.calibration.pad_log_ratio.value))  # on the ramp
+    share = float(front_share(car, table.calibration.pad_log_ratio.value))  # of the brake force
     front, rear = (level * car.weight * axle.rolling_radius for axle in (car.front, car.rear))
     return front, rear, share / (1.0 - share)

@@ -17,8 +17,6 @@ import numpy as np
 
 from calib.show.style import Array, Axes, Stroke, axis_ends, envelope, pale, smooth
 
-_POINTS = 72.0
-"""Points to the inch."""
 RAW = 0.3
 """Opacity of the values behind their mean [1]."""
 PARTS = 2000
@@ -86,10 +84,10 @@ class Mark:
 class Field:
     """Values as colours over the whole panel; the title of the panel names the values.
 
-    A third axis, which only a browser can show, has a slider. A browser also tells the brake
-    torques at a place of the map of a table. Its ``torques``, () for other fields, are the torque
-    of the front axle if it brakes alone, that of the rear axle if it brakes alone [N m], both at
-    y = 1, and front over rear torque where the value is 1 [1].
+    A third axis, which only a browser can show, has a slider. On the map of a table a browser also
+    tells the brake torques of the axles, from three ``torques``: those of the front and of the rear
+    axle if that axle alone brakes the car by 1 g [N m], and front over rear brake force where the
+    value of the field is 1 [1].
     """
 
     values: Array  # (rows, columns), the lowest row first; NaN if not known
@@ -97,7 +95,7 @@ class Field:
     middle: float | None = None  # value of the middle colour; None for colours from low to high
     slices: Sequence[Array] = ()  # like ``values``, at equal steps of the third axis
     slider: tuple[str, float, float] | None = None  # name and both ends of the third axis
-    torques: tuple[float, ...] = ()
+    torques: tuple[float, ...] = ()  # () for a field that is no such map
 
     @property
     def scale(self) -> tuple[str, float, float]:
@@ -130,11 +128,11 @@ class Panel:
     title: str
     x: str  # label with unit
     y: str
-    lines: Sequence[Line]  # the last line is on top of the others; of the bands, the first is
+    lines: Sequence[Line]  # on top are the last line, and the band of the first line
     marks: Sequence[Mark] = ()
     texts: Sequence[tuple[str, float, float]] = ()  # with x and y of the point beside the text
     xlim: tuple[float, float] | None = None  # ends of the axis, None for all that is drawn
-    ylim: tuple[float, float] | None = None  # None for `y_ends`
+    ylim: tuple[float, float] | None = None  # None for those that `y_ends` chooses
     xticks: Sequence[str] = ()  # words at 0, 1, 2 ... instead of numbers
     yticks: Sequence[str] = ()
     columns: int = 3  # number of entries in a row of the legend
@@ -165,7 +163,7 @@ class Panel:
         if not ax.get_legend_handles_labels()[1]:
             return 0.0
         legend = ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=self.columns)
-        return _POINTS * legend.get_window_extent().height / legend.figure.dpi
+        return 72.0 * legend.get_window_extent().height / legend.figure.dpi  # 72 points to the inch
 
     def is_in_right_half(self, x: float) -> bool:
         """Whether ``x`` is in the right half of the axis, where a text goes left of its point."""
@@ -177,6 +175,6 @@ class Panel:
 
     @property
     def y_ends(self) -> tuple[float, float] | None:
-        """Ends of the y axis: ``ylim``, or zero and the means; None without means: all lines."""
+        """Ends of the y axis: ``ylim``, else those that show 0 and all means; None for no mean."""
         means = [line.line_values for line in self.lines if line.mean]
         return self.ylim or axis_ends(*means, with_zero=True)

@@ -73,7 +73,7 @@ def achieved_facts(result: Achieved) -> Facts:
 
 
 def _widths(rows: Sequence[tuple[str, Sequence[float]]]) -> Table:
-    """Return a table of widths in per cent; "-" for a width that is not known or not wanted."""
+    """Return a table of widths in per cent; "-" for 0 (not wanted) and above 1,000 (not known)."""
     cells = [
         (name, *(f"{100.0 * width:.1f}" if 0.0 < width < 10.0 else "-" for width in widths))
         for name, widths in rows

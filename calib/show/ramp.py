@@ -14,7 +14,7 @@ import numpy as np
 from calib.car.balance import front_share, rotating_shares
 from calib.car.braking import BITE
 from calib.car.forces import paper_curves, speed_ratio
-from calib.fitting.ensemble import ensemble_of, loaded_tyres, predict_slips, wheel_slips
+from calib.fitting.ensemble import DEPART_AT, ensemble_of, loaded_tyres, predict_slips, wheel_slips
 from calib.logs.log import Log
 from calib.model.ramp import nominal_forces, pad_scale, prepare
 from calib.run.resistance import identify as identify_resistance
@@ -52,8 +52,9 @@ def measure(table: Table, log: Log) -> MeasuredRamp:
     nominal_f, nominal_r = nominal_forces(car, run, table.calibration.pad_log_ratio.value)
     brake = pad_scale(run, nominal_f, nominal_r) * (nominal_f + nominal_r)  # both axles [N], (k,)
     share = brake / car.weight  # (k,)
-    # without the shape discrepancy of eta, which is the same with resistance and without
-    ensemble = ensemble_of(car, replace(table.draws, depart_eta=np.zeros((1, 10))))
+    # the shape discrepancy of eta is the same with resistance and without, and left out here
+    no_discrepancy = np.zeros((1, DEPART_AT.size))  # of all draws
+    ensemble = ensemble_of(car, replace(table.draws, depart_eta=no_discrepancy))
     log_pressure_ratio = run.log_odds(blocks.p_f, blocks.p_r)  # (k,)
     log_ratio = ensemble.log_pad_ratio[:, None] + log_pressure_ratio  # (n, k)
     # eta of the model with the resistance of this run
@@ -61,12 +62,14 @@ def measure(table: Table, log: Log) -> MeasuredRamp:
     resistance = np.stack([run.drag_f, run.drag_r])[:, None] / car.weight  # (2, 1, k)
     forces = np.stack([front, 1.0 - front]) * share + resistance  # (2, n, k)
     tyres = loaded_tyres(car, ensemble, run.quasi_static(car))
-    unit_slips, _ = tyres.unit_slips(forces)
-    _, apparent_slips = wheel_slips(ensemble, tyres, unit_slips)
+    unit_slips = tyres.unit_slips(forces)[0]  # slips over the compliance (2, n, k)
+    apparent_slips = wheel_slips(ensemble, tyres, unit_slips)[1]  # by the wheel speeds (2, n, k)
     eta_with_resistance = np.median(speed_ratio(*apparent_slips), axis=0)  # (k,)
-    unbraked = blocks.lead_in
-    zero = float(np.mean((blocks.eta / eta_with_resistance)[unbraked])) if unbraked.any() else 1.0
-    # z, D and eta of the model with the same brake forces and without resistance
+    unbraked, zero = blocks.lead_in, 1.0
+    if unbraked.any():
+        zero = float(np.mean((blocks.eta / eta_with_resistance)[unbraked]))
+    # z, D and eta of the model without resistance: the same brake force B slows the car and what
+    # rotates, B/W = (1 + rotating shares) z
     z = np.where(brake > 0.0, share / (1.0 + sum(rotating_shares(car))), np.nan)
     free = predict_slips(car, ensemble, log_ratio, share, z)
     F_f, F_r = free.forces  # over the axle loads [1], (n, k) each

@@ -14,7 +14,7 @@ from calib.show.sheet import Sheet
 from calib.show.style import BODY, FRONT, IDENTIFIED, NOMINAL, REAR, as_text, dots, names_below
 
 _CAUSES = (REPEATABILITY, REPRODUCIBILITY, CAR)
-_COLOURS = {GaugeVerdict.GOOD: PASSED, GaugeVerdict.MARGINAL: WARNING, GaugeVerdict.BAD: FAILED}
+_VERDICTS = {GaugeVerdict.GOOD: PASSED, GaugeVerdict.MARGINAL: WARNING, GaugeVerdict.BAD: FAILED}
 _SD = "Standard deviations of repeats, of stations with their cars, and of the cars."
 _DRAWN = "Points are single ramps, a line is the mean of a car."
 _STATIONS, _MARKERS = (FRONT, REAR, IDENTIFIED, NOMINAL), "osD^vPX"
@@ -31,12 +31,14 @@ def gauge_facts(study: GaugeStudy) -> Facts:
         sentences += [f"{verdict}: {', '.join(names)}"] if names else []
     if not judged:
         sentences = ["none of the metrics could be judged: their repeats do not scatter"]
-    outcome = PASSED if judged and study.passed else UNJUDGED  # cars that are alike tell nothing
+    outcome = UNJUDGED  # nothing scatters, or the cars are too alike
     if any(result.verdict == GaugeVerdict.BAD for result in judged):
         outcome = FAILED
+    elif judged and study.passed:
+        outcome = PASSED
     heads = ("metric", "%GRR", "95 %", "ndc", "of tolerance [%]", "verdict")
     causes = ("metric", "repeatability", "reproducibility", "cars")
-    verdicts = [_COLOURS.get(result.verdict, "") for result in study.results]
+    verdicts = [_VERDICTS.get(result.verdict, "") for result in study.results]
     return Facts(
         "Gauge study",
         headline="; ".join(sentences),

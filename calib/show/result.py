@@ -21,8 +21,8 @@ from calib.show.torque import ENDS, errors_in
 from calib.store.evidence import CONSISTENT
 
 COLUMNS = (
-    *("time", "z", "eta", "normalised_force_f", "normalised_force_r", "ecu_reason"),
-    *("pad_friction_f", "pad_friction_r"),
+    "time", "z", "eta", "normalised_force_f", "normalised_force_r", "ecu_reason",
+    "pad_friction_f", "pad_friction_r",
     *(f"ecu_pad_friction_{axle}{end}" for axle in "fr" for end in ENDS),
     *(
         f"{prefix}brake_torque_{part}{end}"
@@ -96,11 +96,13 @@ def _with_summary(result: StoredResult, path: Path, best_valid: Mask) -> StoredR
     titles = [warning.title for warning in warnings if warning.log == result.name]
     passed = PASSED if log["proof"] != NONE else CONSISTENT
     verdict = FAILED if log["verdict"] == FAILED else passed
-    judgements = [  # an unknown value is required if it failed
+    # only a required metric fails without a value; the summary does not say which are required
+    judgements = [
         Judgement(x["figure"], x["min"], x["max"], required=x["passed"] is False, value=x["value"])
         for x in log["limits"]
     ]
-    compared = result.valid & best_valid & (log["rms_error_against"] == REFERENCE)
+    has_v = log["rms_error_against"] == REFERENCE
+    compared = result.valid & best_valid & has_v  # no sample without v
     error = errors_in(log["figures"], result.values, compared)
     words = verdict_words(log["role"], verdict, len(titles))
     table = f" Table {summary['table']}, digest {summary['digest'][:16]}."

@@ -15,9 +15,6 @@ from calib.show.numbers import unbroken
 from calib.show.panel import PARTS, Panel
 from calib.show.style import HEIGHT, WIDTH, Figure, styled
 
-_LETTER = 0.09
-"""Width of a letter of the title [in], rounded up."""
-
 
 @dataclass(frozen=True)
 class Sheet:
@@ -70,13 +67,13 @@ class Sheet:
             for letter, (name, ax) in zip(ascii_letters, axes.items(), strict=False):
                 # the titles of a row are at one height, above its highest legend
                 row = next(row for row in rows if name in row)
-                room = max(legend_heights[beside] for beside in row)
+                room = max(legend_heights[neighbour] for neighbour in row)
                 title = self.by_name[name].title
                 ax.set_title(f"({letter}) {title}" if len(axes) > 1 else title, pad=4.0 + room)
                 if name in unlabelled:
                     ax.set_xlabel("")
                     ax.tick_params(labelbottom=False)
-            _frame(figure, self, 150)
+            _frame(figure, self, note_letters=150)
         return figure
 
     def _unlabelled(self) -> set[str]:
@@ -84,8 +81,9 @@ class Sheet:
         names = set[str]()
         for upper, lower in pairwise(self.grid):
             for above, below in zip(upper, lower, strict=True):
-                is_as_wide = above != below and upper.count(above) == lower.count(below)
-                if is_as_wide and self.by_name[above].shares_x(self.by_name[below]):
+                is_as_wide = upper.count(above) == lower.count(below)  # in places of a row
+                has_same_x = self.by_name[above].shares_x(self.by_name[below])
+                if above != below and is_as_wide and has_same_x:
                     names.add(above)
         return names
 
@@ -103,7 +101,7 @@ class Sheet:
             figure = Figure(figsize=size, layout="constrained")
             ax = figure.subplots()
             ax.set_title(panel.title, pad=4.0 + panel.draw(ax, parts))
-            _frame(figure, self, 125)
+            _frame(figure, self, note_letters=125)
         return figure
 
 
@@ -117,12 +115,13 @@ def rows_of(names: Sequence[str], columns: int) -> tuple[tuple[str, ...], ...]:
     return tuple(tuple(filled[i : i + columns]) for i in range(0, len(filled), columns))
 
 
-def _frame(figure: Figure, sheet: Sheet, letters: int) -> None:
-    """Write title and result above the panels; below them the note in lines of so many letters."""
-    result = textwrap.wrap(unbroken(sheet.result), int(figure.get_figwidth() / _LETTER))
+def _frame(figure: Figure, sheet: Sheet, note_letters: int) -> None:
+    """Write title and result above the panels, and the note below, ``note_letters`` in a line."""
+    letters = int(figure.get_figwidth() / 0.09)  # a letter of the title is at most 0.09 in wide
+    result = textwrap.wrap(unbroken(sheet.result), letters)
     figure.suptitle("\n".join([sheet.title, *result]), x=0.012, ha="left")
     if sheet.note:
-        text = "\n".join(textwrap.wrap(unbroken(sheet.note), letters))
+        text = "\n".join(textwrap.wrap(unbroken(sheet.note), note_letters))
         figure.supxlabel(text, x=0.012, ha="left", fontsize=7.0, color="#444444")
 
 

@@ -24,8 +24,6 @@ _LAST = 30
 """Number of runs in the first table."""
 _DRAWN, _TITLE = 200, 50
 """Number of runs in a trend; letters of a title that have room above a panel."""
-_AROUND = np.array([0.85, 1.15])
-"""Smallest range of an axis without limits, over the median [1]."""
 _EVERY = 10
 """Time after which the page `LIVE` reloads itself [s]."""
 _TORQUES = ("torque_per_bar_f", "torque_per_bar_r")
@@ -46,8 +44,10 @@ def write_index(folder: Path) -> int:
 def index_facts(runs: Sequence[IndexedRun], name: str, reloads: bool = False) -> Facts:
     """Return the facts of ``runs``, the last one first, of a page that ``reloads`` or not."""
     counts = Counter(run.verdict for run in runs)
-    verdicts = (PASSED, WARNING, FAILED, index.NO_VERDICT, index.UNREADABLE)
-    reloading, still = ("This page", index.INDEX) if reloads else (index.LIVE, "this page")
+    outcomes = (PASSED, WARNING, FAILED, index.NO_VERDICT, index.UNREADABLE)
+    note = f"{index.LIVE} reloads itself every {_EVERY} s; this page stays as it is."
+    if reloads:
+        note = f"This page reloads itself every {_EVERY} s; {index.INDEX} stays as it is."
     headline, verdict, word = "", "", "No run yet"
     if runs:
         last, why = runs[0], _why(runs[0])
@@ -62,10 +62,10 @@ def index_facts(runs: Sequence[IndexedRun], name: str, reloads: bool = False) ->
         word=word,
         numbers=[
             ("car" if len(runs) == 1 else "cars", str(len(runs))),
-            *((verdict, str(counts[verdict])) for verdict in verdicts if counts[verdict]),
+            *((outcome, str(counts[outcome])) for outcome in outcomes if counts[outcome]),
         ],
         tables=[_table(worst_first, "The last cars, failed and refused ones on top.")],
-        notes=[f"{reloading} reloads itself every {_EVERY} s; {still} stays as it is."],
+        notes=[note],
         pictures=_trends(runs[:_DRAWN]),
         parts=[Facts("Earlier cars", tables=[_table(runs[_LAST:])])],
     )
@@ -85,14 +85,15 @@ def _trends(runs: Sequence[IndexedRun]) -> list[Picture]:
 
 def _trend(runs: Sequence[IndexedRun], key: str) -> Panel | None:
     """Return the panel of one metric, the last run on the right; None for fewer than two values."""
-    measured = [run for run in reversed(runs) if run.trend and run.trend.get(key) is not None]
+    values_of_runs = [(run, (run.trend or {}).get(key)) for run in reversed(runs)]
+    measured = [(run, value) for run, value in values_of_runs if value is not None]
     if len(measured) < 2:
         return None
     metric, x = metric_of(key), np.arange(float(len(measured)))
-    values = np.array([run.trend[key] for run in measured if run.trend])
+    values = np.array([value for _, value in measured])
     limits = next((run.limits[key] for run in runs if run.limits and key in run.limits), ())
     y, ends = metric.factor * values, [metric.factor * end for end in limits if end is not None]
-    least_range = [] if ends else [np.median(y) * _AROUND]
+    least_range = [] if ends else [np.median(y) * np.array([0.85, 1.15])]
     title = f"{metric.name}: {metric.value(float(values[-1]))} {metric.unit}"
     return Panel(
         key,
@@ -104,7 +105,7 @@ def _trend(runs: Sequence[IndexedRun], key: str) -> Panel | None:
             *(Line(x[[0, -1]], [end] * 2, NOMINAL) for end in ends),
         ],
         xlim=(-0.5, x.size - 0.5),
-        xticks=names_below([run.car or run.place for run in measured]),
+        xticks=names_below([run.car or run.place for run, _ in measured]),
         ylim=axis_ends(y, np.array(ends), *least_range),
     )
 

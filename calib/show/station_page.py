@@ -119,7 +119,7 @@ def store_and_write(
     """
     results = list(outcome.results)
     while True:
-        stored = store.preview(outcome.table, outcome.decision("to be written"))
+        stored = store.preview(outcome.table, outcome.decision(digest="to be written"))
         fill(results, validation_dict(stored, results), work)
         if not files.why_not_exported(stored):
             for form in dict.fromkeys(forms):

@@ -113,8 +113,7 @@ def of_result(result: StoredResult) -> Sheet:
 
 def of_estimate(estimate: Estimate) -> Sheet:
     """Return the sheet of an estimate, which has no verdict."""
-    name = estimate.run.log.name
-    return _sheet("stop", name, _stop_of(estimate), "", [], estimate.table)
+    return _sheet("stop", estimate.run.log.name, _stop_of(estimate), "", [], estimate.table)
 
 
 def of_validation(result: Validation, name: str = "", vehicle: Vehicle | None = None) -> Sheet:
@@ -210,7 +209,7 @@ def _panel(
 
 
 def _torque_panel(stop: _Stop) -> Panel:
-    """Return the panel of the ECU's torques, with those of the pads before the stop and truth."""
+    """Return the panel of torques: of the ECU, of the pads before the stop, and of the truth."""
     lines, answers = list[Line](), torques(stop.columns)
     for side, look, torque in zip(SIDES, (style.FRONT, style.REAR, _TOTAL), answers, strict=True):
         low, high = (
@@ -227,7 +226,8 @@ def _torque_panel(stop: _Stop) -> Panel:
         front, rear = 2.0 * stop.truth.torque / 1e3  # two wheels on each axle
         true = zip((front, rear, front + rear), ("truth", "", ""), strict=True)
         lines += [Line(stop.time, y, style.TRUTH, label) for y, label in true]
-    in_view = [np.asarray(values) for line in lines for values in (line.y, *(line.band or ()))]
+    in_view = [np.asarray(line.y) for line in lines]
+    in_view += [bound for line in lines for bound in line.band or ()]
     title = "Brake torque of the axles and of both"
     return _panel(stop, ("axle-torques", title, "brake torque [kN m]"), lines, in_view)
 
@@ -272,8 +272,10 @@ def _force_panel(stop: _Stop) -> Panel:
 
 def _slip_panel(stop: _Stop) -> Panel:
     """Return the panel of eta - 1, and of the slip of the axles if v is known."""
-    names = [f"{axle} slip" for axle in AXLE_NAMES.values()]
-    curves = list(zip(names, stop.slips or (), _STROKES.values(), strict=False))
+    curves = list[tuple[str, Array, Stroke]]()
+    if stop.slips is not None:
+        names = [f"{axle} slip" for axle in AXLE_NAMES.values()]
+        curves += zip(names, stop.slips, _STROKES.values(), strict=True)
     curves.append(("\u03b7 - 1", np.asarray(stop.columns["eta"]) - 1.0, style.IDENTIFIED))
     lines = [
         Line(stop.time, 100.0 * values, look, name, mean=_SLIP_MEAN)

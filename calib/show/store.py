@@ -34,7 +34,7 @@ def listed(rows: Sequence[ListedVersion]) -> Facts:
 def _listed(row: ListedVersion) -> Sequence[str]:
     first_cells = (row["id"], row["state"], row["date"][:10])
     if row["flaw"]:
-        return *first_cells, *[""] * 6
+        return *first_cells, "", "", "", "", "", ""
     warned = counted(row["warnings"], "warning") if row["warnings"] else ""
     signed = "signed" if row["key"] else ""
     low, high = row["usable"]
@@ -114,7 +114,7 @@ def history(entries: Sequence[dict[str, Any]]) -> Facts:
     rows = []
     for entry in entries:
         event, id_ = entry["state"], f"{entry['table']}@{entry['version']}"
-        if entry["event"] not in ("stored", "changed"):
+        if entry["event"] not in ("stored", "changed"):  # the state alone says these
             event = f"{entry['event']}, {event}"
         evidence = [f"{file['name']} {file['sha256'][:12]}" for file in entry["evidence"]]
         evidence += [f"key {entry['key']}"] if entry["key"] else []

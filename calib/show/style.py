@@ -8,7 +8,6 @@ import math
 import textwrap
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,7 +21,6 @@ from calib.logs.clock import step_of
 from calib.run.filters import centred_mean, samples_in
 
 if TYPE_CHECKING:
-    from matplotlib import RcParams
     from matplotlib.axes import Axes as Axes
     from matplotlib.figure import Figure as Figure
 else:
@@ -35,16 +33,12 @@ WIDTH, HEIGHT = 8.27, 11.69
 """Width of a page [in], and its largest height: A4."""
 LINE_WIDTH = 1.3
 """Usual width of a line [pt], as in `figures.mplstyle`."""
-_BAND = 0.25
-"""Share of the line's colour in the colour of its band [1]; the rest is white."""
 SHADE = "#E9E9E9"
 """Colour of a marked range of an axis."""
 ETA = "\u03b7 - 1 [%]"
 """Label of an axis; eta is the wheel speed of the rear axle over that of the front axle (22)."""
 MEAN = 0.1
 """Window of the mean of a noisy line [s]."""
-_NAMED, _LETTERS = 8, 56
-"""Largest number of names below an axis; letters that fit there side by side."""
 
 DASHED, DOTTED, DASH_DOT, LONG = (0, (4, 1.6)), (0, (1, 1.4)), (0, (5, 1.5, 1, 1.5)), (0, (8, 2))
 """Dashes: an offset, then the lengths of dash, gap, dash ... in line widths."""
@@ -69,17 +63,9 @@ def dots(stroke: Stroke, size: float, marker: str = "o", **more: Any) -> Stroke:
 
 
 def pale(colour: str) -> str:
-    """Return a ``colour`` #RRGGBB mixed with white; transparent bands that overlap look grey."""
+    """Return a quarter of a ``colour`` #RRGGBB in white; transparent bands would mix to grey."""
     channels = (int(colour[i : i + 2], 16) for i in (1, 3, 5))  # red, green, blue: 0 to 255
-    return "#" + "".join(f"{255 - round(_BAND * (255 - channel)):02X}" for channel in channels)
-
-
-@cache
-def _settings() -> "RcParams":
-    from matplotlib import rc_params_from_file
-
-    file = Path(__file__).parent / "templates" / "figures.mplstyle"
-    return rc_params_from_file(file, use_default_template=False)
+    return "#" + "".join(f"{255 - round(0.25 * (255 - channel)):02X}" for channel in channels)
 
 
 @contextmanager
@@ -87,9 +73,10 @@ def styled(outlines: bool = True) -> Iterator[None]:
     """Apply the style while figures are drawn and saved; letters of an SVG are outlines or text."""
     import matplotlib
 
+    file = Path(__file__).parent / "templates" / "figures.mplstyle"
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
-        matplotlib.rcParams.update(_settings())
+        matplotlib.rcParams.update(matplotlib.rc_params_from_file(file, use_default_template=False))
         matplotlib.rcParams["svg.fonttype"] = "path" if outlines else "none"
         yield
 
@@ -120,7 +107,8 @@ def axis_ends(
     room = margin * (high - low)
     if room == 0.0:  # all values are equal
         room = 0.1 * abs(high) if high else 1.0
-    return (low if with_zero and low == 0.0 else low - room), high + room
+    start = low if with_zero and low == 0.0 else low - room
+    return start, high + room
 
 
 def envelope(y: Array, parts: int) -> Index:
@@ -138,14 +126,14 @@ def envelope(y: Array, parts: int) -> Index:
     lowest = np.argmin(np.where(np.isnan(rows), np.inf, rows), axis=1)
     highest = np.argmax(np.where(np.isnan(rows), -np.inf, rows), axis=1)
     points = np.sort([lowest, highest], axis=0) + width * np.arange(parts)  # (2, parts)
-    return np.minimum(points.T.ravel(), y.size - 1)
+    return np.minimum(points.T.ravel(), y.size - 1)  # a part that is all padding has the last point
 
 
 def names_below(names: Sequence[str]) -> list[str]:
     """Return names in short lines, to stand below the axis of a small panel; [] if too many."""
-    if not 0 < len(names) <= _NAMED:
+    if not 0 < len(names) <= 8:
         return []
-    letters = _LETTERS // len(names) - 1
+    letters = 56 // len(names) - 1  # 56 letters fit below an axis, with a space after each name
     return [textwrap.fill(as_text(name), letters) for name in names]
 
 

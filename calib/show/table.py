@@ -85,18 +85,18 @@ def _curves(table: Table, ramps: _Ramps) -> Panel:
         eta_percent = 100.0 * (ramp.eta - 1.0)
         lines.append(points(ramp, eta_percent, ramp.f1, style.FRONT, "" if i else _MEASURED_POINTS))
         lines.append(points(ramp, eta_percent, ramp.f2, style.REAR))
-    ends = x[0] - 0.02 * (x[-1] - x[0]), x[-1] + 0.08 * (x[-1] - x[0])
-    end = 100.0 * (p.usable_eta[1] - 1.0)
+    xlim = x[0] - 0.02 * (x[-1] - x[0]), x[-1] + 0.08 * (x[-1] - x[0])
+    usable = 100.0 * (p.usable_eta[1] - 1.0)  # highest usable eta - 1 [%]
     upright: Stroke = {"color": style.BODY["color"], "linewidth": 0.9, "linestyle": style.LONG}
-    zero = Line(ends, (0.0, 0.0), {"color": style.BODY["color"], "linewidth": 0.6})
+    zero = Line(xlim, (0.0, 0.0), {"color": style.BODY["color"], "linewidth": 0.6})
     return Panel(
         "f1-f2",
         "Force over load, less deceleration over g (Fig. 6)",
         style.ETA,
         "f1, f2 [1]",
         [*lines, zero],
-        [Mark(end, end, upright, f"usable to {end:.2f} %, {p.usable[1]:.2f} g"),
-         Mark(end, ends[1], {"color": style.SHADE})],
-        xlim=ends,
+        [Mark(usable, usable, upright, f"usable to {usable:.2f} %, {p.usable[1]:.2f} g"),
+         Mark(usable, xlim[1], {"color": style.SHADE})],
+        xlim=xlim,
         columns=2,
     )  # fmt: skip

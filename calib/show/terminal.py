@@ -13,8 +13,6 @@ from calib.base.errors import printable
 from calib.show.facts import FAILED, PASSED, UNJUDGED, WARNING, Facts, Row, Table
 from calib.show.numbers import unbroken
 
-_NARROWEST = 20
-"""Smallest width of a text beside its name [letters]."""
 _STYLES = {FAILED: "red", WARNING: "yellow", PASSED: "green", UNJUDGED: "dim", "": ""}
 
 
@@ -35,15 +33,16 @@ class Screen:
 def drawn(facts: Facts, screen: Screen) -> Iterator[RenderableType]:
     """Yield lines and grids in their order in print; a plain string is a command to copy.
 
-    The parts come before the answer; they are the answer of facts that have nothing else.
+    The parts are details, which come before the answer. Facts without an answer show them always.
     """
-    facts = _texts(facts)
+    facts = _printed(facts)
     has_answer = replace(facts, parts=()).has_content
-    for part in facts.parts if screen.details or not has_answer else ():
+    parts = facts.parts if screen.details or not has_answer else ()
+    for part in parts:
         if part.title:
             yield Text(printable(part.title), style="bold")
         yield from drawn(part, replace(screen, quiet=False))
-        if has_answer or part is not facts.parts[-1]:
+        if has_answer or part is not parts[-1]:
             yield ""
     if text := facts.verdict_line:
         yield from _paragraph(text, screen, f"bold {_STYLES[facts.verdict]}".strip())
@@ -62,8 +61,9 @@ def drawn(facts: Facts, screen: Screen) -> Iterator[RenderableType]:
         yield f"Next: {facts.next}"
 
 
-def _texts(facts: Facts) -> Facts:
-    parts = [part for part in map(_texts, facts.parts) if part.has_content]
+def _printed(facts: Facts) -> Facts:
+    """Return the facts without pictures, warnings, and parts that have nothing else."""
+    parts = [part for part in map(_printed, facts.parts) if part.has_content]
     return replace(facts, pictures=(), warnings=(), parts=parts)
 
 
@@ -75,7 +75,8 @@ def _paragraph(text: str, screen: Screen, style: str = "") -> Iterator[Text]:
 def _terms(rows: Sequence[Row], screen: Screen) -> Iterator[Text]:
     indent = max(len(name) for name, _ in rows) + 2
     for name, text in rows:
-        lines = screen.lines(unbroken(printable(text)), max(screen.width - indent, _NARROWEST))
+        width = max(screen.width - indent, 20)  # letters beside the name
+        lines = screen.lines(unbroken(printable(text)), width)
         for head, line in zip_longest([printable(name)], lines or [""], fillvalue=""):
             yield Text(f"{head:<{indent}}{line}".rstrip())
 
@@ -91,11 +92,10 @@ def _table(table: Table, screen: Screen) -> Iterator[RenderableType]:
     heads, styles = list(map(unbroken, table.heads)), [_STYLES[v] for v in table.verdicts]
     styles = styles or [""] * len(rows)
     columns = list(zip(heads, table.numeric, *rows, strict=True))
-    # least width of each column: its longest word, or number
-    least = [
-        max(_longest_word([head]), max(map(len, cells)) if numeric else _longest_word(cells))
-        for head, numeric, *cells in columns
-    ]
+    least = []  # width of each column
+    for head, numeric, *cells in columns:
+        cell_width = max(map(len, cells)) if numeric else _longest_word(cells)
+        least.append(max(_longest_word([head]), cell_width))
     if sum(least) + 2 * (len(least) - 1) > screen.width:
         for (name, *cells), style in zip(rows, styles, strict=True):
             yield Text(printable(name), style=f"bold {style}".strip())

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from calib.base.arrays import Array, Mask
+from calib.base.arrays import Mask
 from calib.base.names import AXLE_NAMES
 from calib.base.plain import NBSP
 from calib.base.units import BAR
@@ -22,7 +22,7 @@ SIDES = (*AXLE_NAMES.values(), "total")
 UNKNOWN = "not known"
 UNIT = f"N{NBSP}m"
 HEADS = tuple(f"{side} [{UNIT}]" for side in SIDES)
-_WHEELS = {"fl": 2.0, "rl": 2.0, "sum": 1.0}
+_COLUMN_FACTORS = {"fl": 2.0, "rl": 2.0, "sum": 1.0}
 """For each of the `SIDES`, part of its column's name and a factor: an axle has two wheels."""
 AGAINST = {TRUTH: "the truth", REFERENCE: "the estimate with v", NONE: "nothing"}
 """What the torques of an ECU are compared with, in words."""
@@ -36,8 +36,8 @@ def torques(columns: Columns, prefix: str = "ecu_") -> list[Bounded]:
     The ``prefix`` of the columns is "ecu_" for the ECU, "" for the best estimate.
     """
     return [
-        Bounded(*(wheels * columns[f"{prefix}brake_torque_{part}{end}"] for end in ENDS))
-        for part, wheels in _WHEELS.items()
+        Bounded(*(factor * columns[f"{prefix}brake_torque_{part}{end}"] for end in ENDS))
+        for part, factor in _COLUMN_FACTORS.items()
     ]
 
 
@@ -48,7 +48,7 @@ def valid_samples(estimate: Estimate) -> Mask:
 
 def means(columns: Columns, valid: Mask, prefix: str = "ecu_") -> list[str]:
     """Return mean torques of the `SIDES` over ``valid`` samples (n,), with their 95 % intervals."""
-    return [_mean(*(end[valid] for end in torque)) for torque in torques(columns, prefix)]
+    return [_mean(torque, valid) for torque in torques(columns, prefix)]
 
 
 def ecu_means(result: Validation) -> list[str]:
@@ -56,8 +56,9 @@ def ecu_means(result: Validation) -> list[str]:
     return means(result.estimate.columns(), valid_samples(result.estimate))
 
 
-def _mean(value: Array, lower: Array, upper: Array) -> str:
-    if not np.sum(value) > 0.0:
+def _mean(torque: Bounded, valid: Mask) -> str:
+    value, lower, upper = (values[valid] for values in torque)
+    if not np.sum(value) > 0.0:  # no valid sample, or none that brakes
         return UNKNOWN
     half_width = 0.5 * float(np.mean(upper - lower))
     return f"{np.mean(value):.0f}{NBSP}±{NBSP}{half_width:.0f}"

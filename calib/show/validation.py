@@ -51,7 +51,7 @@ class Validated:
 
     stored: Stored
     results: Sequence[Validation]
-    how: Precision | None = None  # precision of the export that was judged; None for full
+    precision: Precision | None = None  # of the export that was judged; None for full
     files: Mapping[str, Path] = field(default_factory=dict)  # other inputs by their roles
 
 
@@ -63,8 +63,9 @@ def validation_facts(judged: Validated) -> Facts:
     limits, unknown = stop_by_stop(results)
     warnings = [*stored.table.warnings, *(w for result in results for w in result.all_warnings)]
     failed, proof = not all(result.passed for result in results), proof_of(list(results))
-    passed = WARNING if warnings else PASSED
-    verdict = FAILED if failed else passed
+    verdict = WARNING if warnings else PASSED
+    if failed:
+        verdict = FAILED
     budgets = [axle for result in in_order for axle in result.budget or ()]
     table = f"{stored.id}, {stored.state.with_reason}"
     details = Facts(
@@ -101,8 +102,8 @@ def _rows(judged: Validated, results: Sequence[Validation], proof: str) -> list[
     if any(result.role == HOLDOUT for result in results):
         has_unused_v = proof == NONE and any("v" in r.estimate.corrected.log for r in results)
         rows.append(("checked against", _V_NOT_USED if has_unused_v else _PROOFS[proof]))
-    if judged.how:
-        rows.append(("as exported", str(judged.how)))
+    if judged.precision:
+        rows.append(("as exported", str(judged.precision)))
     if budgets:
         rows.append(("largest uncertainty", limiting_parts(budgets[0])))
     return [*rows, ("unseen errors", unseen_line(unseen_in(judged.stored, judged.results)))]
@@ -180,7 +181,7 @@ def _answers(stored: Stored, r: Validation) -> Iterator[Sequence[str]]:
     yield best, *best_torques, *best_pads, "", share
     error = torque.errors(r)
     if error.values:
-        yield f"ECU against {torque.AGAINST[error.against]}", *error.texts, *[""] * 4
+        yield f"ECU against {torque.AGAINST[error.against]}", *error.texts, "", "", "", ""
     if true := torque.true_means(r, ecu_valid):
         values = [figures[f"true_pad_friction_{axle}"] for axle in "fr"]
         true_pads = ["" if value is None else f"{value:.3f}" for value in values]

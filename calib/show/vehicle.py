@@ -33,9 +33,11 @@ def vehicle_facts(vehicle: Vehicle) -> Facts:
     """Return loads and torques of a vehicle with its nominal pads."""
     values = characteristics(vehicle)
     biased_up_to = values["front_biased_up_to"]
-    locks_first = f"front up to {biased_up_to:.2f} g, rear above" if biased_up_to else "rear always"
+    locks_first = "rear always"
     if biased_up_to is None:
         locks_first = "front always"
+    elif biased_up_to > 0.0:
+        locks_first = f"front up to {biased_up_to:.2f} g, rear above"
     axles = [
         (name, *(f"{values[side][key]:.{digits}f}" for side in ("front", "rear")))
         for name, key, digits in (
@@ -93,15 +95,19 @@ def vehicle_sheet(vehicle: Vehicle) -> Sheet:
 
     def beta(z: Array) -> Array:
         """Return the axles' torques [kN m] (n, 2) at z [1] (n,) on the beta line, (5), (9)."""
-        per_front = 1.0 / front.rolling_radius + ratio / rear.rolling_radius
-        return np.array([1.0, ratio]) * (np.asarray(z)[:, None] * vehicle.weight / per_front / _KNM)
+        force_per_front = (
+            1.0 / front.rolling_radius + ratio / rear.rolling_radius
+        )  # over T_bf [1/m]
+        torque_f = np.asarray(z)[:, None] * vehicle.weight / force_per_front / _KNM  # (n, 1)
+        return np.array([1.0, ratio]) * torque_f
 
     rear_lifts_at = vehicle.cg_to_front_axle / vehicle.cg_height  # z [1] without load at the rear
     z = np.linspace(0.0, min(1.0, rear_lifts_at), 101)
     load_f, load_r = axle_loads(vehicle, z)
     ideal_f = front.rolling_radius * z * load_f / _KNM
     ideal_r = rear.rolling_radius * z * load_r / _KNM
-    points, end = beta(np.array(_DECELERATIONS)), 1.08 * beta(np.ones(1))[0, 0]
+    points = beta(np.array(_DECELERATIONS))
+    end = 1.08 * beta(np.ones(1))[0, 0]  # the front torque at 1 g, and a margin
     lines = [
         Line(ideal_f, ideal_r, BODY, "I curve: equal friction"),
         Line([0.0, end], [0.0, ratio * end], IDENTIFIED, "installed, nominal pads"),

@@ -16,7 +16,8 @@ async function draw(data, roots) {
   for (const {fig, place} of panels) {
     fig.toolbar.tools.filter(tool => tool.tooltips).forEach(setTooltips);
     if (place.clientWidth < 400) for (const legend of fig.above.filter(item => item.items)) {
-      fig.height += 20 * Math.floor(legend.items.length * (1 - 1 / legend.ncols));
+      const entries = legend.items.length, rows = Math.ceil(entries / legend.ncols);
+      fig.height += 20 * (entries - rows);  // 20 px for a row, as in interactive.py
       legend.ncols = 1;
     }
     fig.on_event("tap", tap => setCursor(fig, tap.x, panels));
@@ -29,14 +30,14 @@ const digits = x => Number.isFinite(x) ? String(Number(x.toPrecision(4))) : "-";
    The tags of the tool come from `_hover` and `_image` of interactive.py. */
 function setTooltips(tool) {
   const textOfLine = ([name, ...columns], source, i) => {
-    const [x, low, high] = columns.map(key => source.get_column(key)[i]);
+    const [y, low, high] = columns.map(key => source.get_column(key)[i]);
     const bounds = Number.isFinite(low) ? ` (${digits(low)} to ${digits(high)})` : "";
-    return Number.isFinite(x) ? `${name}: ${digits(x)}${bounds}` : [];
+    return Number.isFinite(y) ? `${name}: ${digits(y)}${bounds}` : [];
   };
-  const textsOfMap = ([, xName, yName, front, rear, odds], ratio, x, y) => {
+  const textsOfMap = ([xName, yName, front, rear, forceRatio], ratio, x, y) => {
     const texts = [`${xName}: ${digits(x)}`, `${yName}: ${digits(y)}`, `value: ${digits(ratio)}`];
-    if (!odds || !ratio) return texts;
-    const share = odds * ratio / (1 + odds * ratio);  // of the front axle in the brake torque
+    if (!forceRatio || !ratio) return texts;
+    const share = forceRatio * ratio / (1 + forceRatio * ratio);  // of the front brakes in the force
     const [f, r] = [front * share, rear * (1 - share)].map(torque => digits(torque * y));
     return [...texts, `brake torque front ${f}, rear ${r} N m`];
   };

@@ -21,7 +21,7 @@ function sort(table, rows, heads, column) {
   const textOf = row => row.cells[column].textContent.trim();
   const compare = (a, b) => {
     const first = textOf(a), second = textOf(b);
-    if (!first || !second) return !first - !second;
+    if (first == "" || second == "") return Number(first == "") - Number(second == "");
     const x = parseFloat(first), y = parseFloat(second);
     const areNumbers = Number.isFinite(x) && Number.isFinite(y) && x != y;
     return sign * (areNumbers ? x - y : first.localeCompare(second, "en", {numeric: true}));
