@@ -51,11 +51,11 @@ def test_links_lead_to_files_and_headings_that_are_there(page):
     for target in LINK.findall(page.read_text()):
         if target.startswith("https://"):
             continue
-        path, _, at = target.partition("#")
+        path, _, heading = target.partition("#")
         file = (page.parent / path).resolve() if path else page
         assert file.is_file(), target
-        if at:
-            assert at in {anchor(title) for title in titles(file)}, target
+        if heading:
+            assert heading in {anchor(title) for title in titles(file)}, target
 
 
 @pytest.mark.parametrize("width", [30, 80, 120])
@@ -88,8 +88,8 @@ def test_the_default_limits_are_those_of_the_program():
     rows = dict(re.findall(r"^\| `(\w+)`.*\| ([^|]+) \|$", VALIDATION, flags=re.MULTILINE))
     for limit in DEFAULTS:
         axle = 1 if limit.figure.endswith("_r") else 0
-        told = rows[re.sub("_(r|level)$", "_f", limit.figure)]
-        numbers = [float(number) for number in re.findall(r"\d\.\d+", told)]
+        row = rows[re.sub("_(r|level)$", "_f", limit.figure)]
+        numbers = [float(number) for number in re.findall(r"\d\.\d+", row)]
         bound = next(x for x in (limit.low, limit.high, limit.warn_low) if x is not None)
         assert numbers[axle] == bound, limit.figure
 
@@ -101,13 +101,15 @@ def test_every_code_is_explained():
 
 def test_every_effect_is_in_the_gallery_with_the_words_of_its_card():
     text = PAGE.read_text(encoding="utf-8")
-    assert [name for name, one in CATALOGUE.items() if one.card.looks_like[1:] not in text] == []
+    cards = {name: effect.card for name, effect in CATALOGUE.items()}
+    assert [name for name, card in cards.items() if card.looks_like[1:] not in text] == []
 
 
 def test_the_pictures_are_those_of_the_page_and_small():
-    text, made = PAGE.read_text(encoding="utf-8"), sorted(PICTURES.iterdir())
-    assert [one.stem for one in made] == sorted(n for n in CATALOGUE if f"/{n}.png" in text)
-    assert sum(one.stat().st_size for one in made) < 400e3
+    text, pictures = PAGE.read_text(encoding="utf-8"), sorted(PICTURES.iterdir())
+    names = sorted(name for name in CATALOGUE if f"/{name}.png" in text)
+    assert [picture.stem for picture in pictures] == names
+    assert sum(picture.stat().st_size for picture in pictures) < 400e3
 
 
 GLOSSARY = (FOLDER / "glossary.md").read_text()
@@ -116,7 +118,7 @@ END = re.compile(r"^ecu_|_(lower|upper)$|_([fr][lr]?|sum)(_(lower|upper))?$")
 
 
 def test_columns_of_results_of_maps_and_of_the_ecu_are_in_the_glossary():
-    maps = {one.name for kind in (PadMap, LevelMap) for one in fields(kind)}
-    told = {re.sub(END, "", name) for name in re.findall(r"`(\w+)`", GLOSSARY)}
-    known = {re.sub(END, "", name) for name in {*COLUMNS, *CHANNELS, *ANSWERS, *maps}}
-    assert known - told == set()
+    maps = {column.name for kind in (PadMap, LevelMap) for column in fields(kind)}
+    in_glossary = {re.sub(END, "", name) for name in re.findall(r"`(\w+)`", GLOSSARY)}
+    names = {re.sub(END, "", name) for name in {*COLUMNS, *CHANNELS, *ANSWERS, *maps}}
+    assert names - in_glossary == set()

@@ -21,17 +21,18 @@ from tests.support.documents import missing_and_unknown
 
 @pytest.mark.smoke
 def test_every_check_holds_and_the_document_says_with_what():
-    told = json.loads(json.dumps(plain(qualify(SUITE, "2025-03-31")), allow_nan=False))
-    assert [one for one in told["checks"] if not one["held"]] == []
-    assert missing_and_unknown("qualification-json", told) == []
-    assert (told["version"], told["date"], told["verdict"]) == (__version__, "2025-03-31", "passed")
-    assert told["environment"]["interpreter"].endswith(platform.python_version())
-    assert told["packages"]["numpy"] == np.__version__
+    document = json.loads(json.dumps(plain(qualify(SUITE, "2025-03-31")), allow_nan=False))
+    assert [check for check in document["checks"] if not check["held"]] == []
+    assert missing_and_unknown("qualification-json", document) == []
+    assert (document["version"], document["date"]) == (__version__, "2025-03-31")
+    assert document["verdict"] == "passed"
+    assert document["environment"]["interpreter"].endswith(platform.python_version())
+    assert document["packages"]["numpy"] == np.__version__
 
 
 def test_the_hidden_size_is_that_of_the_answer():
     answer = json.loads((sample_logs() / "hidden/case_0/answer.json").read_text())
-    hidden = next(one for one in [*SUITE.values()][-1] if one["name"] == "drag_size")
+    hidden = next(check for check in [*SUITE.values()][-1] if check["name"] == "drag_size")
     assert answer["settings"]["cda"] == hidden["expected"]
 
 
@@ -41,10 +42,11 @@ def test_an_error_fails_its_own_check_and_no_other_one():
 
     formulas = next(iter(SUITE))
     document = qualify({broken: SUITE[formulas], formulas: SUITE[formulas]})
-    one, _, *others = document["checks"]
-    assert (one["held"], one["value"]) == (False, None)
+    broken_check, _, *others = document["checks"]
+    assert (broken_check["held"], broken_check["value"]) == (False, None)
     assert all(other["held"] for other in others)
-    assert (one["error"], document["verdict"]) == ("ZeroDivisionError: <b>by nought</b>", "failed")
+    assert document["verdict"] == "failed"
+    assert broken_check["error"] == "ZeroDivisionError: <b>by nought</b>"
     text = page_of(qualification_facts(document))
     assert '<header class="failed">' in text
     assert not any(word in text for word in ("<b>", "http:", "https:", "<script src"))
@@ -58,10 +60,10 @@ def wrong_gain(monkeypatch):
 def wrong_pads(monkeypatch):
     right = validate.estimate_run
 
-    def wrong(*given, **named):
-        found = right(*given, **named)
-        pads = found.best.pads_f._replace(value=1.1 * found.best.pads_f.value)
-        return replace(found, best=replace(found.best, pads_f=pads))
+    def wrong(*arguments, **options):
+        estimate = right(*arguments, **options)
+        pads = estimate.best.pads_f._replace(value=1.1 * estimate.best.pads_f.value)
+        return replace(estimate, best=replace(estimate.best, pads_f=pads))
 
     monkeypatch.setattr(validate, "estimate_run", wrong)
 
@@ -82,5 +84,5 @@ def diagnosis_without_a_name(monkeypatch):
 def test_a_break_is_seen_by_the_checks_that_are_meant_for_it(monkeypatch, break_it, group, fails):
     break_it(monkeypatch)
     measure = list(SUITE)[group]
-    found = qualify({measure: SUITE[measure]})["checks"]
-    assert {one["name"] for one in found if not one["held"]} == set(fails.split())
+    checks = qualify({measure: SUITE[measure]})["checks"]
+    assert {check["name"] for check in checks if not check["held"]} == set(fails.split())

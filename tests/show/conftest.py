@@ -36,7 +36,7 @@ def sedan(ramp) -> Table:
 
 @pytest.fixture(scope="session")
 def stopped(sedan, transition):
-    """A stop, judged."""
+    """The judged stop of ``transition``."""
     return validate_one(sedan, transition, None, DEFAULTS)
 
 
@@ -51,10 +51,9 @@ def simulated() -> Sheet:
 
 @pytest.fixture(scope="session", params=("table", "ramp", "stop", "simulation", "log"))
 def sheet(request, sedan, ramp, transition):
-    """One sheet of every kind."""
-    made = made_table()
+    """A sheet of each kind."""
     return {
-        "table": lambda: table.table_sheet(made, "sedan@1"),
+        "table": lambda: table.table_sheet(made_table(), "sedan@1"),
         "ramp": lambda: table.table_sheet(sedan, "sedan@1", (measure(sedan, ramp),)),
         "stop": lambda: stop.of_validation(request.getfixturevalue("stopped"), "sedan@1"),
         "simulation": lambda: request.getfixturevalue("simulated"),

@@ -14,15 +14,14 @@ def stored(sedan):
     return Stored(sedan, sedan.name, 1, sedan.digest, Path("tables"))
 
 
-def kinds(*given):
-    return [(s.kind, s.name) for s in sheets(*given)]
+def kinds(*arguments):
+    return [(sheet.kind, sheet.name) for sheet in sheets(*arguments)]
 
 
 def test_a_table_alone_and_with_its_parents(stored, ramp):
     assert kinds(stored, []) == [("table", stored.id)]
     assert kinds(stored, [ramp]) == [("table", stored.id)]
-    coast = read_log(SEDAN / "coast.csv")
-    assert kinds(stored, (coast,)) == [("log", "coast")]
+    assert kinds(stored, [read_log(SEDAN / "coast.csv")]) == [("log", "coast")]
 
 
 def test_another_log_is_a_stop_even_under_the_name_of_a_parent(stored, ramp, transition):

@@ -18,46 +18,50 @@ def named():
     return named_drag()
 
 
-def within(found):
-    return replace(found, gap=replace(found.gap, squares=0.01 * found.gap.squares))
+def within_noise(diagnosis):
+    return replace(diagnosis, gap=replace(diagnosis.gap, squares=0.01 * diagnosis.gap.squares))
 
 
-def rest(found):
-    return replace(found, unexplained=unknown(found).unexplained)
+def with_unexplained(diagnosis):
+    return replace(diagnosis, unexplained=unknown(diagnosis).unexplained)
 
 
-def worse(found):
-    return replace(found, gap=replace(found.gap, squares=found.gap.squares[[0, 0]]))
+def without_gain(diagnosis):
+    return replace(diagnosis, gap=replace(diagnosis.gap, squares=diagnosis.gap.squares[[0, 0]]))
+
+
+def ambiguous(diagnosis):
+    return replace(diagnosis, verdict="ambiguous")
 
 
 @pytest.mark.parametrize(
     ("change", "expected"),
     [
-        (lambda found: found, "named"),
-        (rest, "rest"),
-        (worse, "worse"),
-        (lambda found: worse(replace(found, verdict="ambiguous")), "worse"),
-        (lambda found: replace(found, verdict="ambiguous"), "ambiguous"),
-        (lambda found: replace(rest(found), verdict="ambiguous"), "ambiguous_rest"),
+        (lambda diagnosis: diagnosis, "named"),
+        (with_unexplained, "rest"),
+        (without_gain, "worse"),
+        (lambda diagnosis: without_gain(ambiguous(diagnosis)), "worse"),
+        (ambiguous, "ambiguous"),
+        (lambda diagnosis: ambiguous(with_unexplained(diagnosis)), "ambiguous_rest"),
         (unknown, "unknown"),
-        (lambda found: within(unknown(found)), "within_noise"),
-        (lambda found: replace(found, verdict="no_gap", effects=()), "no_gap"),
+        (lambda diagnosis: within_noise(unknown(diagnosis)), "within_noise"),
+        (lambda diagnosis: replace(diagnosis, verdict="no_gap", effects=()), "no_gap"),
     ],
 )
 def test_a_name_is_good_only_if_the_hold_outs_say_so(named, change, expected, monkeypatch):
     monkeypatch.setattr("calib.show.html._panel", lambda sheet, name: "data:image/svg+xml,")
-    found = change(named)
-    told = diagnosis_facts(found)
-    assert outcome(found) == expected
-    assert (told.word, told.verdict) == KINDS[expected]
-    assert page_of(told).count("<section>") >= 2
+    diagnosis = change(named)
+    facts = diagnosis_facts(diagnosis)
+    assert outcome(diagnosis) == expected
+    assert (facts.word, facts.verdict) == KINDS[expected]
+    assert page_of(facts).count("<section>") >= 2
 
 
 def test_a_named_cause_has_its_numbers_and_its_card(named):
-    told = diagnosis_facts(named)
-    numbers = [x for x in dict(told.rows)["gap"].replace(",", "").split() if x[0].isdigit()]
+    facts = diagnosis_facts(named)
+    numbers = [x for x in dict(facts.rows)["gap"].replace(",", "").split() if x[0].isdigit()]
     assert numbers == ["6.7", "3.7", "45.7", "1"]
-    effect, _, gap, base = told.parts
+    effect, _, gap, base = facts.parts
     assert effect.title == "Aerodynamic drag"
     assert dict(effect.rows)["Cause"] == CATALOGUE["aerodynamic_drag"].card.cause
     log, noise = gap.tables[0].rows
@@ -68,8 +72,7 @@ def test_a_named_cause_has_its_numbers_and_its_card(named):
 
 
 def test_an_unknown_cause_is_described_by_its_term(named):
-    found = unknown(named)
-    (line,) = next(one for one in diagnosis_sheet(found).panels if one.name == "term").lines
+    (line,) = diagnosis_sheet(unknown(named)).by_name["term"].lines
     assert line.x == pytest.approx([0.0, 25.0])  # bar
     assert line.y == [0.0, -12.5]  # per cent
 
@@ -81,29 +84,28 @@ def test_pictures_stay_readable_with_five_effects_and_long_names(named, count, l
     logs = tuple(replace(named.measured[0], name=f"{i:02}" * (length // 2)) for i in range(count))
     squares = np.repeat(named.gap.squares, count, axis=1)
     gap = replace(named.gap, logs=tuple(log.name for log in logs), squares=squares)
-    found = replace(
-        named, effects=five, gap=gap, replays_before=logs, replays_after=logs, measured=logs
-    )
-    drawn = diagnosis_sheet(found)
-    for figure in (drawn.overview(), *(drawn.figure(name) for name in drawn.names)):
+    runs = dict.fromkeys(("replays_before", "replays_after", "measured"), logs)
+    diagnosis = replace(named, effects=five, gap=gap, **runs)
+    sheet = diagnosis_sheet(diagnosis)
+    for figure in (sheet.overview(), *(sheet.figure(name) for name in sheet.names)):
         figure.canvas.draw()
-        whole = figure.get_window_extent()
+        page_box = figure.get_window_extent()
         for ax in figure.axes:
-            across = 0.3 if len(figure.axes) > 1 else 0.7
-            assert ax.get_window_extent().width > across * whole.width
-            last = whole.x0
+            least_share = 0.3 if len(figure.axes) > 1 else 0.7
+            assert ax.get_window_extent().width > least_share * page_box.width
+            free_from = page_box.x0
             for text in ax.texts:
                 box = text.get_window_extent()
-                assert last <= box.x0
-                last = box.x1
-            assert last <= whole.x1
-    known = page_of(diagnosis_facts(found))
-    assert all(log.name in known for log in logs)
+                assert free_from <= box.x0
+                free_from = box.x1
+            assert free_from <= page_box.x1
+    page = page_of(diagnosis_facts(diagnosis))
+    assert all(log.name in page for log in logs)
 
 
-def test_what_was_withdrawn_is_told(named):
-    found = replace(unknown(named), withdrawn=(("rear_proportioning", "mass_error"),))
-    told = dict(diagnosis_facts(found).rows)["Not named"]
-    assert "rear proportioning" in told
-    assert "mass error" in told
-    assert to_dict(found)["withdrawn"] == [["rear_proportioning", "mass_error"]]
+def test_withdrawn_effects_have_a_row(named):
+    diagnosis = replace(unknown(named), withdrawn=(("rear_proportioning", "mass_error"),))
+    reason = dict(diagnosis_facts(diagnosis).rows)["Not named"]
+    assert "rear proportioning" in reason
+    assert "mass error" in reason
+    assert to_dict(diagnosis)["withdrawn"] == [["rear_proportioning", "mass_error"]]

@@ -1,4 +1,4 @@
-"""Facts on a terminal and on a page: all texts come back, and none of them is obeyed."""
+"""Facts on a terminal and on a page: all texts are shown, and no markup in them has an effect."""
 
 import io
 import re
@@ -57,7 +57,7 @@ def full(text):
 
 
 @pytest.fixture(autouse=True)
-def undrawn(monkeypatch):
+def without_pictures(monkeypatch):
     monkeypatch.setattr("calib.show.html._panel", lambda sheet, name: "data:,")
 
 
@@ -69,13 +69,13 @@ TEXT = st.text(st.characters(codec="utf-8", exclude_characters="\r\0"), min_size
 @given(text=TEXT | st.sampled_from(["<script>", "</title>", '"><b>', "&amp;", "<!--", "'", "{{"]))
 def test_a_page_shows_every_text_as_it_was_and_fetches_nothing(text):
     html = page_of(full(text))
-    plain, found = Reader(page_of(full("x"))), Reader(html)
+    plain_page, page = Reader(page_of(full("x"))), Reader(html)
     assert is_page(html.encode())
-    assert found.tags == plain.tags
-    assert "".join(found.texts).count(text) >= 24
-    assert found.values.count(text) >= 3  # labels of tables and pictures, read aloud
-    assert {"script", "iframe"}.isdisjoint(found.tags)
-    assert not [v for v in plain.values if "//" in v or v.startswith("/")]
+    assert page.tags == plain_page.tags
+    assert "".join(page.texts).count(text) >= 24
+    assert page.values.count(text) >= 3  # labels of tables and pictures, read aloud
+    assert {"script", "iframe"}.isdisjoint(page.tags)
+    assert not [x for x in plain_page.values if "//" in x or x.startswith("/")]
 
 
 def test_a_part_without_content_is_not_shown_and_a_live_page_loads_itself_again():
@@ -94,14 +94,14 @@ def printed(facts, *, quiet=False, verbose=False):
     return out.getvalue()
 
 
-def test_a_terminal_prints_the_answer_last_and_obeys_nothing():
+def test_a_terminal_prints_the_answer_last_and_no_control_codes():
     """The head has 13 texts: word, headline, a table of 5, 2 rows of 2, a note, the next step."""
     facts = full("\x1b[31m[b]x")
-    short, quiet, whole = printed(facts), printed(facts, quiet=True), printed(facts, verbose=True)
-    assert "\x1b" not in whole
-    assert [text.count("[b]x") for text in (quiet, short, whole)] == [2, 13, 20]
-    assert short.startswith(quiet)
-    assert whole.endswith(short)
+    usual, quiet, verbose = printed(facts), printed(facts, quiet=True), printed(facts, verbose=True)
+    assert "\x1b" not in verbose
+    assert [text.count("[b]x") for text in (quiet, usual, verbose)] == [2, 13, 20]
+    assert usual.startswith(quiet)
+    assert verbose.endswith(usual)
 
 
 @pytest.mark.parametrize("width", [40, 60, 200])
@@ -123,9 +123,7 @@ def test_a_line_of_a_panel_keeps_its_gap_and_its_places():
     (path,) = re.findall(r"<path d='([^']*)'[^>]*#123456", svg)
     parts = [re.findall(r"-?[\d.]+", part) for part in path.split("M")[1:]]
     places = [np.cumsum(np.reshape(np.array(part, float), (-1, 2)), axis=0) for part in parts]
-    assert len(places) == 2
-    left, right = places
-    full = right[-1, 0] - left[0, 0]  # from x = 0 to x = 1
-    assert [left[-1, 0] - left[0, 0], right[0, 0] - left[0, 0]] == pytest.approx(
-        [0.4 * full, 0.6 * full], abs=0.011 * full
-    )
+    left, right = places  # of the gap
+    width = right[-1, 0] - left[0, 0]  # from x = 0 to x = 1
+    gap = np.array([left[-1, 0], right[0, 0]]) - left[0, 0]
+    assert gap / width == pytest.approx([0.4, 0.6], abs=0.011)

@@ -1,4 +1,4 @@
-"""A sheet in the browser: all samples, panels that zoom together, and no request."""
+"""A sheet in the browser has all samples, zooms its panels together, and sends no request."""
 
 import json
 import re
@@ -40,19 +40,16 @@ def over_time(name, *lines, **more):
 def sheet():
     gap = np.where(TIME < 1.0, np.nan, WAVE)
     marks = [Mark(1.0, 1.0, {**REAR, "linestyle": DASHED}, NAME), Mark(2.0, 3.0, REAR, "part")]
-    return Sheet(
-        "made",
-        "made",
-        (
-            over_time("a", Line(TIME, gap, FRONT, NAME, BAND), Line(TIME, WAVE, REAR, "rear")),
-            over_time("b", Line(TIME, WAVE, FRONT, mean=0.1), marks=marks),
-            Panel("c", "curve", "eta [%]", "D [1]", [
-                Line(2.0 * TIME, 3.0 * TIME, FRONT, "curve"),
-                Line([1.0, 2.0], [1.0, 2.0], RINGS, "rings"),
-            ], texts=[(NAME, 1.0, 1.0)], xticks=["of two\nlines", "it's"]),
-            Panel("d", "map", "eta [%]", "z [1]", [], field=MAP, xlim=(0.0, 1.0), ylim=(0.0, 1.0)),
-        ),
-    )  # fmt: skip
+    curve = Line(2.0 * TIME, 3.0 * TIME, FRONT, "curve")
+    rings = Line([1.0, 2.0], [1.0, 2.0], RINGS, "rings")
+    words = {"texts": [(NAME, 1.0, 1.0)], "xticks": ["of two\nlines", "it's"]}
+    panels = (
+        over_time("a", Line(TIME, gap, FRONT, NAME, BAND), Line(TIME, WAVE, REAR, "rear")),
+        over_time("b", Line(TIME, WAVE, FRONT, mean=0.1), marks=marks),
+        Panel("c", "curve", "eta [%]", "D [1]", [curve, rings], **words),
+        Panel("d", "map", "eta [%]", "z [1]", [], field=MAP, xlim=(0.0, 1.0), ylim=(0.0, 1.0)),
+    )
+    return Sheet("made", "made", panels)
 
 
 @pytest.fixture(scope="module")
@@ -63,33 +60,31 @@ def page(sheet, tmp_path_factory):
 
 
 def test_all_samples_of_a_line_are_in_the_page_once(sheet):
-    made = script_of(sheet, {name: f"place-{name}" for name in sheet.names})
-    document, end = json.JSONDecoder().raw_decode(made.removeprefix("live("))
-    assert made[end:].count("place-") == 4
-    found = [
-        value["array"]["data"]
-        for value in every(document)
-        if value.get("type") == "ndarray" and value.get("shape") == [TIME.size]
-    ]
+    script = script_of(sheet, {name: f"place-{name}" for name in sheet.names})
+    document, end = json.JSONDecoder().raw_decode(script.removeprefix("live("))
+    assert script[end:].count("place-") == 4
+    arrays = [value for value in dicts_in(document) if value.get("type") == "ndarray"]
+    columns = [array for array in arrays if array["shape"] == [TIME.size]]
     # x of both; of them y, the ends of a band, a mean; of the curve its x and y
-    assert len(found) == 9
+    assert len(columns) == 9
 
 
-def test_what_is_marked_lies_behind_the_lines(sheet):
-    made, _ = json.JSONDecoder().raw_decode(script_of(sheet, {"b": "x"}).removeprefix("live("))
-    level = {one["attributes"]["glyph"]["name"]: one["attributes"].get("level", "glyph")
-             for one in every(made["roots"]) if one.get("name") == "GlyphRenderer"}  # fmt: skip
-    assert level == {"Line": "glyph", "VSpan": "image", "VStrip": "image"}
+def test_marks_lie_behind_the_lines(sheet):
+    document, _ = json.JSONDecoder().raw_decode(script_of(sheet, {"b": "x"}).removeprefix("live("))
+    models = [x for x in dicts_in(document["roots"]) if x.get("name") == "GlyphRenderer"]
+    glyphs = [model["attributes"] for model in models]
+    levels = {glyph["glyph"]["name"]: glyph.get("level", "glyph") for glyph in glyphs}
+    assert levels == {"Line": "glyph", "VSpan": "image", "VStrip": "image"}
 
 
-def every(value):
-    """All dicts in a document."""
+def dicts_in(value):
+    """Yield all dicts in a document."""
     if isinstance(value, dict):
         yield value
         value = list(value.values())
     if isinstance(value, list):
-        for one in value:
-            yield from every(one)
+        for part in value:
+            yield from dicts_in(part)
 
 
 def test_a_live_page_is_printed_as_any_other(sheet):
@@ -98,11 +93,12 @@ def test_a_live_page_is_printed_as_any_other(sheet):
     assert "<script" not in still
     assert still.count("<img") == live.count("<img") == live.count('class="live"') == 4
     pictures = re.findall(r'src="data:image/svg\+xml,([^"]*)"', still)
-    assert [parseString(unquote(one)).documentElement.tagName for one in pictures] == ["svg"] * 4
+    roots = [parseString(unquote(picture)).documentElement for picture in pictures]
+    assert [root.tagName for root in roots] == ["svg"] * 4
     assert live == page_of(facts, live=True)
 
 
-def test_a_page_has_as_many_live_pictures_as_it_can_carry(sheet, monkeypatch):
+def test_a_page_has_live_pictures_up_to_its_limit(sheet, monkeypatch):
     monkeypatch.setattr("calib.show.html._ROOM", 1)
     page = page_of(Facts("made", pictures=[Picture("made", lambda: sheet)] * 2), live=True)
     assert page.count('class="live"') == 4
@@ -110,35 +106,34 @@ def test_a_page_has_as_many_live_pictures_as_it_can_carry(sheet, monkeypatch):
 
 
 def test_every_station_of_a_gauge_study_has_a_marker_in_the_browser():
-    made = study(readings(cars=5, stations=7), {})
-    page = page_of(gauge_facts(made), live=True)
-    assert page.count('class="live"') == len(made.results) > 0
+    gauge_study = study(readings(cars=5, stations=7), {})
+    page = page_of(gauge_facts(gauge_study), live=True)
+    assert page.count('class="live"') == len(gauge_study.results) > 0
 
 
-def drawn(browser, page, *how):
-    """Requests beside the page, and complaints, until its first picture is drawn."""
-    requests, told = opened(browser, page, *how)
+def open_drawn(browser, page, *screen):
+    """Open a page, wait for its pictures, and return its requests and messages."""
+    requests, messages = opened(browser, page, *screen)
     WebDriverWait(browser, 30).until(lambda _: ask(browser, "typeof last != 'undefined'"))
     browser.execute_async_script("last.then(arguments[0])")
-    return requests, told + browser.get_log("browser")
+    return requests, messages + browser.get_log("browser")
 
 
 @needs_browser
 @pytest.mark.parametrize(("width", "dark"), [(1000, True), (360, False)])
 def test_it_opens_without_a_request_and_fits_the_screen(browser, page, width, dark):
-    requests, told = drawn(browser, page, width, dark)
+    requests, messages = open_drawn(browser, page, width, dark)
     assert requests == []
-    assert [one for one in told if one["level"] != "INFO"] == []
+    assert [message for message in messages if message["level"] != "INFO"] == []
     assert ask(browser, "document.documentElement.scrollWidth") <= width
     size = "[...document.querySelectorAll('.live')].map(e => [e.clientWidth, e.clientHeight])"
     assert all(w > 300 and h > 200 for w, h in ask(browser, size))
-    hidden = "[...document.images].every(i => i.clientWidth == 0)"
-    assert ask(browser, hidden)
+    assert ask(browser, "[...document.images].every(i => i.clientWidth == 0)")
 
 
 @needs_browser
 def test_panels_over_one_axis_zoom_together(browser, page):
-    drawn(browser, page)
+    open_drawn(browser, page)
     browser.execute_script("Bokeh.documents[0].roots()[0].x_range.setv({start: 2, end: 3})")
     ends = ask(browser, "Bokeh.documents[0].roots().map(r => [r.x_range.start, r.x_range.end])")
     assert ends[0] == ends[1] == [2, 3]
@@ -146,8 +141,8 @@ def test_panels_over_one_axis_zoom_together(browser, page):
 
 
 @needs_browser
-def test_two_taps_tell_what_is_at_both_and_the_difference(browser, page):
-    drawn(browser, page)
+def test_two_taps_show_both_values_and_their_difference(browser, page):
+    open_drawn(browser, page)
     panel = browser.find_elements("css selector", ".live")[0]
 
     def tapped(_):
@@ -165,17 +160,17 @@ def test_two_taps_tell_what_is_at_both_and_the_difference(browser, page):
 
 
 @needs_browser
-def test_a_slider_moves_through_the_slices_of_a_map_and_its_torques_are_told(browser, page):
-    drawn(browser, page)
-    told = browser.execute_script("""
+def test_a_slider_moves_through_the_slices_of_a_map_and_its_torques_are_shown(browser, page):
+    open_drawn(browser, page)
+    values, text = browser.execute_script("""
         const input = document.querySelector("input"), fig = Bokeh.documents[0].roots()[3];
         input.value = 1.5; input.oninput();
         const source = fig.renderers[0].data_source, hover = fig.toolbar.tools.at(-1);
         const place = {image_index: {flat_index: 3}, x: 0.5, y: 0.5};
         return [[...source.get_column("image")[0]], hover.tooltips(source, place).innerText];
     """)
-    assert told[0] == pytest.approx([2.25] * 4, abs=0.01)  # three quarters of the way from 0 to 3
-    ratio, front, rear = (float(x) for x in re.findall(r"(?:value:|front|rear) ([\d.]+)", told[1]))
+    assert values == pytest.approx([2.25] * 4, abs=0.01)  # three quarters of the way from 0 to 3
+    ratio, front, rear = (float(x) for x in re.findall(r"(?:value:|front|rear) ([\d.]+)", text))
     share = 2.0 * ratio / (1.0 + 2.0 * ratio)  # at a value of 1 the front has two thirds
     assert [front, rear] == pytest.approx([9.0 * 0.5 * share, 6.0 * 0.5 * (1.0 - share)], rel=1e-3)
 

@@ -46,9 +46,9 @@ LOG = WholeLog("run", "here", "", COLUMNS)
 def test_events_are_marked_in_every_panel():
     drawn = log_sheet(LOG, (RunEvent(BITES, 0.5, 0.5), RunEvent(BRAKING, 0.5, 1.5)))
     assert drawn.names == ("omega", "omega [rpm]", "Gang")
-    for one in drawn.panels:
-        assert [(mark.start, mark.end) for mark in one.marks] == [(0.5, 0.5), (0.5, 1.5)]
-        assert one.xlim == (TIME[0], TIME[-1])
+    for shown_panel in drawn.panels:
+        assert [(mark.start, mark.end) for mark in shown_panel.marks] == [(0.5, 0.5), (0.5, 1.5)]
+        assert shown_panel.xlim == (TIME[0], TIME[-1])
     assert [mark.label for mark in drawn.panels[0].marks] == [BITES, BRAKING]
 
 

@@ -7,7 +7,7 @@ from calib.base.errors import InputError
 from calib.show.result import COLUMNS, is_result, read_result
 
 
-def written(path, **changes):
+def write_result(path, **changes):
     columns = {name: np.linspace(0.1, 1.0, 50) + i for i, name in enumerate(COLUMNS)}
     columns["ecu_valid"] = np.arange(50) % 2 == 0
     columns |= dict.fromkeys(("valid", "pad_friction_f", "pad_friction_r"), columns["ecu_valid"])
@@ -18,13 +18,13 @@ def written(path, **changes):
 
 def test_a_result_is_read_as_written(tmp_path):
     path = tmp_path / "stop.parquet"
-    columns = written(path)
+    columns = write_result(path)
     assert is_result(path)
-    found = read_result(path)
-    assert found.name == "stop"
+    result = read_result(path)
+    assert result.name == "stop"
     for name in COLUMNS:
-        assert np.array_equal(found.values[name], columns[name])
-    assert np.array_equal(found.valid, columns["ecu_valid"])
+        assert np.array_equal(result.values[name], columns[name])
+    assert np.array_equal(result.valid, columns["ecu_valid"])
 
 
 def test_a_log_or_rubbish_is_no_result(tmp_path):
@@ -37,6 +37,6 @@ def test_a_log_or_rubbish_is_no_result(tmp_path):
 
 
 def test_a_missing_column_is_named(tmp_path):
-    written(tmp_path / "a.parquet", ecu_brake_torque_rl=None)
+    write_result(tmp_path / "a.parquet", ecu_brake_torque_rl=None)
     with pytest.raises(InputError, match="no column ecu_brake_torque_rl"):
         read_result(tmp_path / "a.parquet")

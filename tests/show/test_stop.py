@@ -19,25 +19,24 @@ def drawn(sedan, transition, stopped):
 
 def test_pad_friction_with_interval_over_that_of_the_ramp(sedan, drawn, stopped):
     e, pads = stopped.estimate, panel(drawn, "pads")
-    then = sedan.calibration
-    bar = np.maximum(e.signals.p_f, 0.0)
+    calibration, pressure = sedan.calibration, np.maximum(e.signals.p_f, 0.0)
     for label, best, ramp in (
-        (FRONT, e.ecu.pads_f, then.pad_friction_f.value),
-        (REAR, e.ecu.pads_r, then.pad_friction_r.value),
+        (FRONT, e.ecu.pads_f, calibration.pad_friction_f.value),
+        (REAR, e.ecu.pads_r, calibration.pad_friction_r.value),
     ):
-        (one,) = (x for x in pads.lines if x.label == label)
-        for y, known in zip((one.y, *one.band), (best.value, best.lower, best.upper), strict=True):
-            assert np.array_equal(y[e.ecu.valid], known[e.ecu.valid])
+        (curve,) = (x for x in pads.lines if x.label == label)
+        for y, expected in zip((curve.y, *curve.band), best, strict=True):
+            assert np.array_equal(y[e.ecu.valid], expected[e.ecu.valid])
             assert np.isnan(y[~e.ecu.valid]).all()
-        before = f"{label.split(',')[0]} on the ramp, {ramp:.3f}"
-        assert line(pads, before)[1].tolist() == [ramp, ramp]
+        ramp_label = f"{label.split(',')[0]} on the ramp, {ramp:.3f}"
+        assert line(pads, ramp_label)[1].tolist() == [ramp, ramp]
     # the table's vehicle has 28.84 cm^2 and 130.9 mm in front
     torques = panel(drawn, "axle-torques")
     torque = line(torques, "front pads on the ramp")[1]
-    mu = then.pad_friction_f.value
-    assert torque.mean() == pytest.approx(4e-3 * 28.84e-4 * 0.1309 * mu * bar.mean(), rel=1e-3)
+    mu = calibration.pad_friction_f.value
+    assert torque.mean() == pytest.approx(4e-3 * 28.84e-4 * 0.1309 * mu * pressure.mean(), rel=1e-3)
     front, rear, total = (line(torques, label)[1] for label in (FRONT, REAR, TOTAL))
-    assert front == pytest.approx(1e-3 * 4.0 * 28.84e-4 * 0.1309 * e.ecu.pads_f.value * bar)
+    assert front == pytest.approx(1e-3 * 4.0 * 28.84e-4 * 0.1309 * e.ecu.pads_f.value * pressure)
     assert total == pytest.approx(front + rear)
     low, high = pads.ylim
     assert low < e.ecu.pads_r.lower[e.ecu.valid].min()
@@ -56,21 +55,20 @@ def test_a_stored_result_is_drawn_as_the_stop_that_was_judged(sedan, stopped, dr
         assert (limit.figure in sheet.result) == (result is failed)
         assert judged.note in sheet.note
     for name, label in (("pads", REAR), ("normalised-forces", "rear"), ("axle-torques", TOTAL)):
-        a, b = (line(panel(one, name), label)[1] for one in (sheet, drawn))
+        a, b = (line(panel(page, name), label)[1] for page in (sheet, drawn))
         assert np.array_equal(a, b, equal_nan=True)
     # the interval before the bite is that of the prior, and does not set the axis
-    e = stopped.estimate
-    pads = e.ecu.pads_r
-    span = pads.upper[e.ecu.valid].max() - pads.lower[e.ecu.valid].min()
-    before = pads.upper[~e.ecu.valid].max() - pads.lower[~e.ecu.valid].min()
+    ecu = stopped.estimate.ecu
+    width = ecu.pads_r.upper[ecu.valid].max() - ecu.pads_r.lower[ecu.valid].min()
+    width_before = ecu.pads_r.upper[~ecu.valid].max() - ecu.pads_r.lower[~ecu.valid].min()
     low, high = panel(sheet, "pads").ylim
-    assert span < high - low < 1.3 * span
-    assert before > 1.5 * span
+    assert width < high - low < 1.3 * width
+    assert width_before > 1.5 * width
 
 
 def test_a_stop_of_which_nothing_is_valid_is_drawn_all_the_same(sedan, transition, stopped):
-    none = replace(stopped, estimate=replace(stopped.estimate, unfit=("nothing brakes",)))
-    sheet = stop.of_validation(none, "sedan@1")
+    invalid = replace(stopped, estimate=replace(stopped.estimate, unfit=("nothing brakes",)))
+    sheet = stop.of_validation(invalid, "sedan@1")
     assert len(sheet.overview().axes) == 5
     assert np.isnan(line(panel(sheet, "pads"), REAR)[1]).all()
 

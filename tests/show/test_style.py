@@ -15,20 +15,20 @@ def test_settings_of_the_user_are_neither_used_nor_lost():
         assert mpl.rcParams["axes.facecolor"] == "black"
 
 
-def test_what_is_unknown_stays_unknown_and_spreads_not():
+def test_unknown_values_stay_unknown_and_change_no_other_mean():
     values = np.full(TIME.size, 2.0)
     values[100:150] = np.nan
-    found = smooth(TIME, values)
-    assert np.array_equal(np.isnan(found), np.isnan(values))
-    assert np.nanmax(np.abs(found - 2.0)) < 1e-12
+    means = smooth(TIME, values)
+    assert np.array_equal(np.isnan(means), np.isnan(values))
+    assert np.nanmax(np.abs(means - 2.0)) < 1e-12
 
 
 def test_no_peak_of_a_long_line_is_lost():
     values = np.zeros(100_000)
     values[43_210], values[70_000:80_000] = 7.0, np.nan
-    at = envelope(values, 2000)
-    assert at.size == 4000
-    assert np.all(np.diff(at) >= 0)
-    assert 43_210 in at
-    assert np.isnan(values[at]).sum() == 400
+    indices = envelope(values, 2000)
+    assert indices.size == 4000
+    assert np.all(np.diff(indices) >= 0)
+    assert 43_210 in indices
+    assert np.isnan(values[indices]).sum() == 400
     assert np.array_equal(envelope(values[:8000], 2000), np.arange(8000))

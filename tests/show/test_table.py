@@ -30,9 +30,8 @@ def test_what_a_ramp_measured_stands_beside_the_curves(sedan, ramp):
     # a ring is the mean of five blocks of 50 ms
     first = run.braked.nonzero()[0][:5]
     x, y = line(panel(sheet, "f1-f2"), "ramps, drag taken out")
-    assert (x[0], y[0]) == pytest.approx(
-        (100.0 * (run.eta - 1.0)[first].mean(), run.f1[first].mean())
-    )
+    assert x[0] == pytest.approx(100.0 * (run.eta - 1.0)[first].mean())
+    assert y[0] == pytest.approx(run.f1[first].mean())
 
 
 def test_a_ramp_with_one_axle_is_not_drawn_over_the_curves_of_both(sedan, ramp):

@@ -1,4 +1,4 @@
-"""The brakes of a vehicle file."""
+"""Facts and Fig. 2 of the brakes of a vehicle file."""
 
 from dataclasses import replace
 
@@ -16,8 +16,7 @@ IDEAL, INSTALLED = "I curve: equal friction", "installed, nominal pads"
 
 @pytest.fixture(scope="module")
 def panel():
-    (panel,) = vehicle_sheet(VEHICLE).panels
-    return panel
+    return vehicle_sheet(VEHICLE).panels[0]
 
 
 def test_on_the_i_curve_both_axles_use_the_same_friction(panel):
@@ -41,7 +40,7 @@ def test_points_of_the_beta_line_decelerate_as_said_and_meet_the_i_curve(panel):
     assert np.interp(x, *line(panel, IDEAL)) == pytest.approx(y, rel=1e-3)
 
 
-def test_what_the_file_says_of_its_pads_is_shown_where_it_does():
-    told = replace(VEHICLE, rear=replace(VEHICLE.rear, pad_friction_tolerance=0.03))
-    rows, more = (vehicle_facts(car).parts[0].tables[0].rows for car in (VEHICLE, told))
+def test_a_pad_tolerance_of_the_file_is_shown():
+    known_pads = replace(VEHICLE, rear=replace(VEHICLE.rear, pad_friction_tolerance=0.03))
+    rows, more = (vehicle_facts(car).parts[0].tables[0].rows for car in (VEHICLE, known_pads))
     assert [row[1:] for row in more[len(rows) :]] == [("", "3")]
