@@ -73,7 +73,7 @@ def check(log: Log, vehicle: Vehicle | None = None) -> Findings:
         _Verdict(purpose, not reasons, tuple(reason.text for reason in reasons))
         for purpose, reasons in refusals.items()
     ]
-    all_reasons = chain.from_iterable(refusals.values())  # warnings that follow are left out
+    all_reasons = chain.from_iterable(refusals.values())  # what follows from them is left out
     return Findings(run, unexplained(warnings, all_reasons), tuple(verdicts))
 
 

@@ -23,7 +23,7 @@ _SLOPE_CHANGES = 0.5  # probability of a changing slope from which a_x is compar
 _MOTOR, LEAST_ODDS = 0.67, 0.01
 """Posterior odds from which a motor is reported [1], low because an unreported motor moves the
 pads; least prior odds, also where the vehicle file excludes a motor."""
-_FORCE = 0.1  # prior sigma of a motor's force over the usual brake force [1]: 0.1 g in a 0.3 g stop
+_FORCE = 0.1  # prior sigma of a motor's force over the usual brake force [1], which is 0.03 to 0.3
 _USUAL, _FADING = 0.015, 0.02
 """Sigma, without a motor, of a force without pressure, by bite of the pads and zero of p_mc (0.5 of
 30 bar), and of one that fades with the speed, by slow noise in the half second below 3 m/s [1]."""

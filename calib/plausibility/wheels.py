@@ -33,7 +33,7 @@ _STIFFEST = 60.0  # slip stiffness K above that of any tyre [1]
 _ROLLED = 0.5  # shortest rolling that gives zero and slope of a_x [s]
 _OTHER_SLOPE, _RADIUS = 0.003, 0.01  # sigma of a later change of slope, and of a file's radii [1]
 _SLOWED = 0.25  # a_x is compared where the wheels' deceleration varies by more than this [1]
-_CONFIRMED = 0.4  # least ratio of two errors of the scale of v, by a_x and by the radii, that agree
+_CONFIRMED = 0.4  # errors of the scale of v by a_x and by radii agree if their ratio is 0.4 to 2.5
 _BRAKED, _BRAKED_TIME = 0.05, 1.0  # least deceleration that shows slip [1], and its time [s]
 _SOURCES = {"front": (1.0, 0.0), "rear": (0.0, 1.0), "four": (0.5, 0.5)}
 """Weights of the front and rear wheels from which v may be computed."""

@@ -174,7 +174,7 @@ def _undisturbed(eta: Array, rolling: Mask, step: float) -> Mask:
     lead_in = smooth[rolling]
     is_coast = rolling[-1]
     usual = np.median(lead_in if is_coast else lead_in[-round(_LAST / step) :])
-    # means so far apart do not overlap, so they differ by the noise of two; few see a step of eta
+    # means so far apart share no sample and differ by the noise of both; few span a step of eta
     differences = np.abs(lead_in[4 * width :] - lead_in[: -4 * width])
     sigma = max(scatter(differences) / math.sqrt(2.0), _FINEST)
     disturbed = np.abs(smooth - usual) > _DISTURBED * sigma

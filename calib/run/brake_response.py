@@ -152,7 +152,7 @@ def _useful(s: Signals, active: Mask) -> Mask:
     """Mask (n,) of the lead-in, and of braking (``active``) with the time around it."""
     if not active.any():
         return np.zeros_like(active)
-    until_braking = time_since(-s.time[::-1], active[::-1])[::-1]  # as time runs backwards [s]
+    until_braking = time_since(-s.time[::-1], active[::-1])[::-1]  # [s], by the reversed time
     near_braking = (until_braking < _BEFORE) | (time_since(s.time, active) < _AFTER)
     unbraked = (s.lead_in | near_braking) & (s.speed > _SLOW)
     return np.asarray(unbraked | (active & (s.speed > _GONE)))
@@ -223,7 +223,7 @@ def _tried_delays(m: _Means) -> tuple[Array, Array, Array]:
     every = samples_in(_TRIED, m.step)
     largest = round(_LARGEST / m.step)
     shifts = np.arange(-largest, largest + 1, every)
-    shifts = np.concatenate([[0], shifts[shifts != 0]])  # no shift first: of equals it counts
+    shifts = np.concatenate([[0], shifts[shifts != 0]])  # first, so that argmin prefers no shift
     earlier = np.clip(np.arange(m.time.size) - shifts[:, None], 0, m.time.size - 1)
     lagged = [first_order(m.time, m.nominal, lag)[None] for lag in _LAGS]
     nominal = np.vstack([m.nominal[earlier], *lagged])

@@ -89,7 +89,7 @@ def remove_known_effects(vehicle: Vehicle, log: Log) -> CorrectedRun:
 def _without_brake_effects(
     model: Model, log: Log, history: RunHistory
 ) -> tuple[dict[str, Array], tuple[Array, Array]]:
-    """Wheel pressures with the same torques without effects, and the factors of pad friction."""
+    """Wheel pressures that make the same torques without effects; factors of the pad friction."""
     logged = {w: log[f"p_{w}"] for w in WHEELS if f"p_{w}" in log}
     pedal = constant_speed(log.time, log["p_mc"], 0.0, source=log.source)
     brakes = brakes_of(model, pedal, logged)

@@ -124,8 +124,8 @@ def _long_run_density(
     total = float(np.sum(residual**2))
     if total == 0.0:
         return 0.0
-    # the brake application is in one window, which the median leaves out; the coefficient a has it,
-    # so the density may be too high by up to a factor of 3
+    # the median leaves out the window of the brake application, but the coefficient a counts it, so
+    # the density may be too high by up to a factor of 3
     variance = float(np.median(np.sum(residual**2, axis=1))) / (length - fitted)
     lagged = float(np.sum(residual[:, 1:] * residual[:, :-1]))
     a = lagged / total * length / (length - 1) + fitted / length

@@ -61,7 +61,7 @@ def mismatch(a: Array, b: Array, mask: Mask, step: float) -> IntervalEstimate | 
 def half_width(x: Array, other_count: float = np.inf) -> Array:
     """Half width of the 95 % interval of the mean of k independent values ``x`` (..., k).
 
-    With ``other_count`` it is that of this mean less that of so many other values, of equal noise.
+    With ``other_count`` it is for this mean less another mean, of so many values of equal noise.
     """
     from scipy.special import stdtrit
 
