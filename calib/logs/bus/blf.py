@@ -17,14 +17,14 @@ from typing import BinaryIO
 
 from calib.base.errors import LogError
 from calib.base.extras import need
-from calib.logs.bus.recording import captured, recording, require_dbc
+from calib.logs.bus.recording import capture_of, recording_of, require_dbc
 from calib.logs.channel_map import Databases
 from calib.logs.source import Recording, damaged
 
 _HEADER = struct.Struct("<4sL8xQQ40x")
 _OBJECT = struct.Struct("<4s4xLL")
 _CONTAINER = struct.Struct("<H6xL4x")
-_CONTAINER_TYPE, _STORED, _DEFLATED = 10, 0, 2
+_CONTAINER_TYPE, _STORED, _DEFLATED = 10, 0, 2  # a type of object; methods of compression
 _MOST_UNPACKED = 64_000_000  # bytes of one container; those of Vector have 128 kB
 
 
@@ -33,12 +33,12 @@ def open_blf(path: Path, dbc: Databases) -> Recording:
     where = str(path)
     can = need("can", "can", where, LogError)
     database = require_dbc(dbc, "can", where)
-    most_frames = _check_sizes(path) // _OBJECT.size
+    most_frames = _check_sizes(path) // _OBJECT.size  # one of size 0 python-can would read for ever
     with path.open("rb") as file, can.BLFReader(file) as reader:
-        frames = captured(islice(reader, most_frames + 1), database, where)
-    if len(frames.times) > most_frames:  # python-can would read an object of size 0 for ever
+        capture = capture_of(islice(reader, most_frames + 1), database, where)
+    if len(capture.times) > most_frames:
         raise damaged(where, "it has more frames than its size allows")
-    return recording(frames, database, (), where)
+    return recording_of(capture, database, (), where)
 
 
 def _check_sizes(path: Path) -> int:
@@ -68,17 +68,22 @@ def _check_sizes(path: Path) -> int:
 
 def _object_sizes(file: BinaryIO, end: int, path: Path) -> Iterator[int]:
     """Yield the unpacked size [bytes] of each object up to byte ``end``, padding included."""
-    while (head := file.read(_OBJECT.size)).strip(b"\0"):
-        is_object = len(head) == _OBJECT.size and head[:4] == b"LOBJ"
-        size, kind = _OBJECT.unpack(head)[1:] if is_object else (0, 0)
-        if not 0 <= size - _OBJECT.size <= end - file.tell():
+    while True:
+        head = file.read(_OBJECT.size)
+        if not head.strip(b"\0"):  # the end of the file, or zeros up to it
+            return
+        if len(head) < _OBJECT.size or head[:4] != b"LOBJ":
+            raise damaged(path, f"damaged near byte {file.tell()}", "an object")
+        _, size, kind = _OBJECT.unpack(head)
+        if not _OBJECT.size <= size <= _OBJECT.size + end - file.tell():
             raise damaged(path, f"damaged near byte {file.tell()}", "an object")
         content = file.read(size - _OBJECT.size)
-        file.read(size % 4)
+        padding = size % 4  # as Vector and python-can have it, not up to a multiple of 4
+        file.read(padding)
         if kind == _CONTAINER_TYPE:
-            yield _OBJECT.size + _CONTAINER.size + _unpacked_size(content, path) + size % 4
+            yield _OBJECT.size + _CONTAINER.size + _unpacked_size(content, path) + padding
         else:
-            yield size + size % 4
+            yield size + padding
 
 
 def _unpacked_size(container: bytes, path: Path) -> int:
@@ -86,7 +91,7 @@ def _unpacked_size(container: bytes, path: Path) -> int:
     if len(container) < _CONTAINER.size:
         raise _bad_container(path, "it has no header")
     method, size = _CONTAINER.unpack_from(container)
-    content, is_complete = container[_CONTAINER.size :], method == _STORED
+    content, is_complete = container[_CONTAINER.size :], True
     if method == _DEFLATED:
         stream = zlib.decompressobj()
         try:
@@ -94,6 +99,8 @@ def _unpacked_size(container: bytes, path: Path) -> int:
         except zlib.error as cause:
             raise _bad_container(path, str(cause)) from cause
         is_complete = stream.eof
+    elif method != _STORED:
+        raise _bad_container(path, f"its method of compression, {method}, is not known")
     if not is_complete or len(content) < size:
         raise _bad_container(path, f"it holds {len(content)} of {size} bytes")
     return len(content)

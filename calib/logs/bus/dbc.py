@@ -5,7 +5,7 @@ and cantools reads one message at a time. So a flaw in one message leaves the ot
 
 BO_ 256 WHL: 8 ESP           a message, followed by its signals
  SG_ WhlFL : 0|16@1+ ...
-VAL_ 256 WhlFL 65535 "SNA";  a statement on a signal that changes what is decoded, or a long name
+VAL_ 256 WhlFL 65535 "SNA";  a later statement on the message, that changes the decoding or a name
 
 Comments and all other statements are left out.
 """
@@ -32,17 +32,16 @@ Key = tuple[int, bool]  # identifier, and whether it is extended (29 bits)
 _Described: TypeAlias = "Message | Flawed"
 
 _FORMATS = ("dbc", "arxml", "kcd", "sym")  # another ending is read as a DBC
-
 _LONGEST_TEXT = 1_000_000  # characters in quotes; cantools needs 300 bytes of memory for each
-
 _DECODING = ("VAL_", "SIG_VALTYPE_", "SG_MUL_VAL_")  # statements that change what is decoded
 _LONG_NAMES = ("SystemSignalLongSymbol", "SystemMessageLongSymbol")  # names of over 32 characters
 _MOST_MESSAGES = 10_000  # cantools needs about a millisecond for each
 _NO_MESSAGE = "VECTOR__INDEPENDENT_SIG_MSG"  # holds the signals that belong to no message
 _EXTENDED = 1 << 31  # bit that a DBC adds to an identifier of 29 bits
 
+# patterns of a DBC, whose groups are identifiers, names and units
 _COMMENT = re.compile(r'^[ \t]*CM_ [^"\n]*"(?:\\.|[^"\\])*"\s*;', re.MULTILINE | re.DOTALL)
-_BEGIN = re.compile(r'^[ \t]*(?=(?:[A-Z_]+_|VERSION)[ \t:"])', re.MULTILINE)
+_BEGIN = re.compile(r'^[ \t]*(?=(?:[A-Z_]+_|VERSION)[ \t:"])', re.MULTILINE)  # of a statement
 _MESSAGE = re.compile(r"BO_\s+(\d+)\s+([^\s:]+)\s*:")
 _SIGNAL = re.compile(r'SG_\s+([^\s:]+)[^"\n]*(?:"([^"\n]*)")?')
 _ON_MESSAGE = re.compile(
@@ -50,6 +49,7 @@ _ON_MESSAGE = re.compile(
     rf'BA_\s+"(?:{"|".join(_LONG_NAMES)})"\s+(?:SG_|BO_)\s+(\d+)'
 )
 _DEFINITION = re.compile(rf'BA_(?:DEF_|DEF_DEF_)?\s.*"(?:{"|".join(_LONG_NAMES)})"')
+"""A later statement on one message or signal; the definition of an attribute for long names."""
 
 
 class FlawedSignal(NamedTuple):
@@ -57,7 +57,7 @@ class FlawedSignal(NamedTuple):
 
     name: str
     unit: str
-    length: int = 1
+    length: int = 1  # [bits]; any that makes it a column, so that a map may name it
 
 
 class Flawed(NamedTuple):
@@ -127,7 +127,8 @@ def _load(cantools: Any, path: Path) -> "tuple[bytes, list[_Described], list[str
     except LogError as cause:
         raise ChannelMapError(cause.problem, where=path, expected=f"the format {name}") from cause
     if file_format in ("dbc", "sym"):  # the others are XML, which needs no such limit
-        longest = max(map(len, text.replace('\\"', "''").split('"')[1::2]), default=0)
+        pieces = text.replace('\\"', "''").split('"')  # every second one stands in quotes
+        longest = max(map(len, pieces[1::2]), default=0)
         if longest > _LONGEST_TEXT:
             flaw, do = f"a text in quotes has {longest} characters", "is a quote missing?"
             raise ChannelMapError(flaw, where=path, expected=f"at most {_LONGEST_TEXT}", do=do)
@@ -171,7 +172,7 @@ def _by_message(cantools: Any, text: str, where: str) -> "tuple[list[_Described]
             name, why = f"{first.name} and {message.name}", f"both have the identifier {key[0]:#x}"
             all_signals = (*first.signals, *message.signals)
             signals = tuple(FlawedSignal(signal.name, signal.unit or "") for signal in all_signals)
-            message = Flawed(name, *key, why, signals, where)
+            message = Flawed(name, key[0], key[1], why, signals, where)
         by_key[key] = message
     messages = list(by_key.values())
     flawed = [f"{m.name} ({m.why})" for m in messages if isinstance(m, Flawed)]
@@ -192,8 +193,8 @@ def _read(cantools: Any, part: _MessageText, common: str, where: str) -> "_Descr
         why = why.removesuffix(f" in message {part.name}")
         why = re.sub(r" at line \d+, column \d+", "", why)  # the line of the part, not of the file
     signals = tuple(FlawedSignal(name, unit) for name, unit in part.signals.items())
-    identifier, is_extended = part.number & ~_EXTENDED, part.number > 0x7FF
-    return Flawed(part.name, identifier, is_extended, why, signals, where)
+    is_extended = part.number > 0x7FF  # over 11 bits, also if the DBC lacks the bit `_EXTENDED`
+    return Flawed(part.name, part.number & ~_EXTENDED, is_extended, why, signals, where)
 
 
 def _parts(text: str) -> tuple[str, list[_MessageText]]:

@@ -1,6 +1,6 @@
 """Make a recording from bus frames and a DBC: one trace for each signal of the frames.
 
-frames of python-can --captured--> Capture --recording--> Recording, which calls decode
+messages of python-can --capture_of--> Capture --recording_of--> Recording, which calls decode
 
 A DBC counts the bits of a frame as below. A signal begins at its start bit (s) and covers the bits
 marked (-); in both byte orders it goes on in byte 1:
@@ -62,19 +62,14 @@ class Capture:
     """The frames of a file."""
 
     times: "array[float]" = field(default_factory=lambda: array("d"))  # of all frames [s]
-    errors: int = 0  # number of error frames
-    frames: "dict[tuple[str, Key], tuple[array[int], list[bytes]] | None]" = field(
-        default_factory=dict
-    )
-    """By bus and identifier: the indices in ``times`` and the bytes of the frames; None if the DBC
-    does not describe them."""
+    errors: int = 0  # number of error frames, which have no data, as remote frames
+    described: "dict[tuple[str, Key], tuple[array[int], list[bytes]]]" = field(default_factory=dict)
+    """Indices in ``times`` and bytes of the frames, by a bus and an identifier that the DBC has."""
+    others: set[tuple[str, Key]] = field(default_factory=set)  # those that the DBC does not have
 
 
-def captured(messages: "Iterable[can.Message]", dbc: Dbc, where: str) -> Capture:
-    """Collect the frames of a file. Error frames and remote frames have a time but no data.
-
-    Raises LogError if python-can cannot read the file, or if it has no frames.
-    """
+def capture_of(messages: "Iterable[can.Message]", dbc: Dbc, where: str) -> Capture:
+    """Collect the frames of a file. Raises LogError if it has none or python-can cannot read it."""
     capture = Capture()
     try:
         for index, message in enumerate(messages):
@@ -83,11 +78,13 @@ def captured(messages: "Iterable[can.Message]", dbc: Dbc, where: str) -> Capture
                 capture.errors += 1
                 continue
             origin = (str(message.channel), (message.arbitration_id, message.is_extended_id))
-            if origin not in capture.frames:
-                capture.frames[origin] = (array("L"), []) if dbc.find(*origin) else None
-            described = capture.frames[origin]
-            if described and not message.is_remote_frame:
-                indices, data = described
+            if origin not in capture.described:
+                if origin in capture.others or not dbc.find(*origin):
+                    capture.others.add(origin)
+                    continue
+                capture.described[origin] = (array("L"), [])
+            if not message.is_remote_frame:
+                indices, data = capture.described[origin]
                 indices.append(index)
                 data.append(bytes(message.data))
     except LogError:
@@ -117,18 +114,17 @@ def frames_of(bus: str, key: Key, time: Array, data: list[bytes]) -> Frames:
     return Frames(bus, key, time, padded.reshape(len(data), width), length)
 
 
-def recording(capture: Capture, dbc: Dbc, notes: tuple[str, ...], where: str) -> Recording:
+def recording_of(capture: Capture, dbc: Dbc, notes: tuple[str, ...], where: str) -> Recording:
     """Make a recording of captured frames; its times are seconds since the first frame."""
     time = np.asarray(capture.times)
     check_running(time, where)
     begin = float(time.min())
     frames = []
-    for (bus, key), described in sorted(capture.frames.items()):
-        if described and described[0]:
-            indices, data = described
+    for (bus, key), (indices, data) in sorted(capture.described.items()):
+        if data:  # none if all were remote frames
             times = time[np.asarray(indices, np.int64)] - begin
             frames.append(frames_of(bus, key, times, data))
-    buses = sorted({bus for bus, _ in capture.frames})
+    buses = sorted({bus for bus, _ in (*capture.described, *capture.others)})
     check_described(frames, buses, dbc, where)
     frame_notes = [f"time counts from the first frame, which was written at {begin:.6f} s"]
     if capture.errors:

@@ -9,7 +9,7 @@ TRC       ;$FILEVERSION=2.1                          none in version 1.0
 python-can (4.6) leaves out a line that it cannot read, and pads a frame that is cut off. So this
 file counts the lines that look like frames, and compares the bytes of each frame with its length.
 
-lines --_counted--> --_asc--> python-can --_whole_frames--> frames --captured--> Capture
+lines --_count_frames--> --_with_events--> python-can --_whole_frames--> --capture_of--> Capture
 """
 
 import logging
@@ -21,7 +21,7 @@ from typing import Any
 
 from calib.base.errors import LogError
 from calib.base.extras import need
-from calib.logs.bus.recording import captured, recording, require_dbc
+from calib.logs.bus.recording import capture_of, recording_of, require_dbc
 from calib.logs.channel_map import Databases
 from calib.logs.source import Recording, damaged
 
@@ -36,11 +36,13 @@ class _TextState:
     block: str = ""  # last mark of a block in an ASC log, "begin" or "end"
 
 
-def _counted(lines: Iterable[str], frame: re.Pattern[str], state: _TextState) -> Iterator[str]:
+def _count_frames(lines: Iterable[str], frame: re.Pattern[str], state: _TextState) -> Iterator[str]:
     """Yield the lines, and count in ``state`` those that begin as a ``frame`` does."""
     for line in lines:
-        state.frames += bool(frame.match(line))
-        state.last = line if line.strip() else state.last
+        if frame.match(line):
+            state.frames += 1
+        if line.strip():
+            state.last = line
         yield line
 
 
@@ -50,11 +52,11 @@ _RELATIVE = re.compile(r"\s*base\s+\w+\s+timestamps\s+relative", re.IGNORECASE)
 _BLOCK = re.compile(r"(begin|end)\s+triggerblock", re.IGNORECASE)
 
 
-def _asc(lines: Iterable[str], state: _TextState) -> Iterator[str]:
-    """Yield the lines of an ASC log. Raises LogError for relative timestamps.
+def _with_events(lines: Iterable[str], state: _TextState) -> Iterator[str]:
+    """Yield the lines of an ASC log, with one about internal events below its header.
 
-    python-can takes the first line after the header for one about internal events, and skips it. So
-    such a line is inserted if the log has none.
+    python-can takes the first line after the header for such a line, and skips it. Raises LogError
+    for relative timestamps.
     """
     in_header = True
     for line in lines:
@@ -72,26 +74,21 @@ def _asc(lines: Iterable[str], state: _TextState) -> Iterator[str]:
         yield line
 
 
+_ASC_FRAME = re.compile(  # python-can reads no frame whose length has two digits, as in "Rx d 16"
+    r"\s*\d+\.\d+\s+(\d+\s+(\w+\s+(Tx|Rx)\b(?!\s+d\s+\w{2,}\s)|ErrorFrame)"
+    r"|CANFD\s+\d+\s+(Tx|Rx)\b)",
+    re.IGNORECASE,
+)
+_TRC_FRAME = re.compile(  # any line that is neither a comment nor blank, nor an event or an error
+    r"\s*+(?!;|$|(\d+\)?\s+)?[\d.]+\s+(\d+\s+)?"
+    r"(ST|EC|ER|EV|Warng|Error|ErrFr|Event|FFFFFFFF)\b)"
+)
 _FORMATS = {
-    ".asc": (
-        "ASCReader",
-        re.compile(  # python-can reads no frame whose length has two digits, as in "Rx d 16"
-            r"\s*\d+\.\d+\s+(\d+\s+(\w+\s+(Tx|Rx)\b(?!\s+d\s+\w{2,}\s)|ErrorFrame)"
-            r"|CANFD\s+\d+\s+(Tx|Rx)\b)",
-            re.IGNORECASE,
-        ),
-    ),
+    ".asc": ("ASCReader", _ASC_FRAME),
     ".log": ("CanutilsLogReader", re.compile(r"\s*\(\d+\.\d+\)\s")),
-    ".trc": (
-        "TRCReader",
-        re.compile(
-            r"\s*+(?!;|$|(\d+\)?\s+)?[\d.]+\s+(\d+\s+)?"
-            r"(ST|EC|ER|EV|Warng|Error|ErrFr|Event|FFFFFFFF)\b)"
-        ),
-    ),
+    ".trc": ("TRCReader", _TRC_FRAME),
 }
-"""By file ending: the class of python-can that reads it, and a pattern that matches the beginning
-of a line that holds a frame."""
+"""By file ending: the reader of python-can, and the pattern with which a line of a frame begins."""
 TEXT_LOGS = tuple(_FORMATS)  # file name endings of the text logs of a bus
 _VERSION = re.compile(r";\$FILEVERSION=\s*(\S+)")
 _HEAD = 4096  # characters of a TRC log in which its version stands
@@ -115,10 +112,10 @@ def open_text_log(path: Path, dbc: Databases) -> Recording:
             if ending == ".trc":
                 _require_version(file.read(_HEAD), path)
                 file.seek(0)
-            lines = _counted(file, frame, state)
-            lines = _asc(lines, state) if ending == ".asc" else lines
+            lines = _count_frames(file, frame, state)
+            lines = _with_events(lines, state) if ending == ".asc" else lines
             messages = _whole_frames(getattr(can, reader)(lines), ending, path)
-            capture = captured(messages, database, str(path))
+            capture = capture_of(messages, database, str(path))
     except LogError:
         if state.frames:  # a last line that is cut off explains the error better
             _require_line_end(state, ending)
@@ -133,7 +130,7 @@ def open_text_log(path: Path, dbc: Databases) -> Recording:
         flaw = f"{count} of {state.frames} lines that look like frames can be read"
         raise damaged(path, f"{flaw}: others are missing or damaged", "all of them")
     note = "the log has no footer: one that was cut at the end of a line looks like a complete one"
-    return recording(capture, database, () if state.block else (note,), str(path))
+    return recording_of(capture, database, () if state.block else (note,), str(path))
 
 
 def _require_version(head: str, path: Path) -> None:
@@ -147,11 +144,12 @@ def _whole_frames(messages: Iterable[Any], ending: str, path: Path) -> Iterator[
     from can.util import dlc2len
 
     for message in messages:
-        length = min(message.dlc, 8)  # codes 9 to 15 stand for 8 bytes, too (ISO 11898-1)
-        if (
-            message.is_fd
-        ):  # dlc is the code of the length in TRC, the length itself in other formats
-            length = dlc2len(message.dlc) if ending == ".trc" else message.dlc
+        if not message.is_fd:
+            length = min(message.dlc, 8)  # codes 9 to 15 stand for 8 bytes, too (ISO 11898-1)
+        elif ending == ".trc":
+            length = dlc2len(message.dlc)  # the code of the length
+        else:
+            length = message.dlc  # the length itself
         if not message.is_remote_frame and len(message.data) < length:
             flaw = f"a frame at {message.timestamp:.6f} s has {len(message.data)} of {length} bytes"
             raise damaged(path, flaw)
@@ -168,5 +166,5 @@ def _require_line_end(state: _TextState, ending: str) -> None:
     needs_no_end = ending == ".trc" and (not is_frame or _LAST_BYTE.fullmatch(state.last))
     if state.last and not (state.last.endswith("\n") or needs_no_end):
         cut = f"cut off within the last line, {state.last.strip()[:60]!r}"
-        flaw = f"{cut}, after {state.frames - is_frame} whole frames"
+        flaw = f"{cut}, after {state.frames - int(is_frame)} whole frames"
         raise damaged(state.path, flaw, "an end of line")

@@ -16,7 +16,7 @@ from tests.support.recordings import messages
 
 
 @pytest.fixture(scope="module")
-def many(bus_folder):
+def containers(bus_folder):
     """A file of several containers, and the byte where one in its middle begins."""
     with can.BLFWriter(bus_folder / "many.blf", max_container_size=8192) as log:
         for message in messages(1.7e9):
@@ -27,12 +27,12 @@ def many(bus_folder):
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=40)
 @given(share=st.floats(0.0, 1.0, exclude_max=True))
-def test_a_file_cut_anywhere_is_refused(refused_bus, many, share):
+def test_a_file_cut_anywhere_is_refused(refused_bus, containers, share):
     """Also where a container ends: python-can reads such a half in silence."""
-    data, end = many
-    for left in (int(share * len(data)), end):
-        message = refused_bus("cut.blf", data[:left])
-        assert left < HEADER or f"{len(data) - left} are missing" in message
+    data, end = containers
+    for size in (int(share * len(data)), end):
+        message = refused_bus("cut.blf", data[:size])
+        assert size < HEADER or f"{len(data) - size} are missing" in message
 
 
 def mended(data, end):
@@ -49,22 +49,22 @@ def flipped(data, _):
 
 
 @pytest.mark.parametrize("damage", [mended, unfinished, flipped])
-def test_a_damaged_file_is_refused(refused_bus, many, damage):
-    refused_bus("cut.blf", damage(*many))
+def test_a_damaged_file_is_refused(refused_bus, containers, damage):
+    refused_bus("cut.blf", damage(*containers))
 
 
 def test_other_objects_are_counted_but_are_no_frames(bus_folder):
     """A marker, an error frame and a remote frame between the frames."""
-    path, known = bus_folder / "more.blf", messages(1.7e9)
-    at = known[100].timestamp
+    path, frames = bus_folder / "more.blf", messages(1.7e9)
+    stamp = frames[100].timestamp
     remote = {"arbitration_id": 256, "is_extended_id": False, "is_remote_frame": True}
     with can.BLFWriter(path) as log:
-        for number, message in enumerate(known):
+        for number, message in enumerate(frames):
             log.on_message_received(message)
             if number == 100:
-                log.log_event("brakes on", at)
-                log.on_message_received(can.Message(timestamp=at, is_error_frame=True))
-                log.on_message_received(can.Message(timestamp=at, **remote))
+                log.log_event("brakes on", stamp)
+                log.on_message_received(can.Message(timestamp=stamp, is_error_frame=True))
+                log.on_message_received(can.Message(timestamp=stamp, **remote))
     log = read_log(path, bus_folder / "map.toml")
     assert "1 error frames were ignored" in log.notes
     whole = read_log(bus_folder / "whole.blf", bus_folder / "map.toml")
@@ -79,8 +79,7 @@ def vector(**more):
     return blf([rows[:half], rows[half:], ends], 300, **more)
 
 
-def opened(bus_folder, data):
-    """The first wheel."""
+def first_wheel(bus_folder, data):
     path = bus_folder / "made.blf"
     path.write_bytes(data)
     return open_blf(path, {"": (bus_folder / "chassis.dbc",)}).read([1])[0]
@@ -89,7 +88,7 @@ def opened(bus_folder, data):
 @pytest.mark.parametrize("compressed", [False, True])
 def test_objects_that_the_writer_does_not_count(bus_folder, compressed):
     """Six of six files of Vector's programs in the tests of python-can are like this."""
-    wheel = opened(bus_folder, vector(compressed=compressed))
+    wheel = first_wheel(bus_folder, vector(compressed=compressed))
     np.testing.assert_allclose(wheel.time, 0.01 * np.arange(300), atol=5e-7)
     np.testing.assert_allclose(wheel.values, 0.005 * (np.arange(300) % 200))
 
@@ -97,13 +96,13 @@ def test_objects_that_the_writer_does_not_count(bus_folder, compressed):
 ONE = frame(0.0, 256, bytes(8))
 
 
-def lost(compressed):
-    """Two of three containers."""
+def two_of_three(compressed):
+    """A file that states three frames, each in its container, and holds two."""
     body = b"".join(container(ONE, compressed) for _ in range(2))
     return header(len(body), [ONE] * 3, 2) + body
 
 
-def inside(body):
+def with_body(body):
     return header(len(body), [], 1, unpacked=HEADER) + body
 
 
@@ -116,13 +115,14 @@ def ends_early():
 REFUSED = {
     "no times in the header": (struct.pack("<4sL8xQQL", b"LOGG", 36, 36, 36, 1), "BLF"),
     "no unpacked size": (blf([ONE], 1, unpacked=0), "did not finish"),
-    "lost container": (lost(False), "384 bytes"),
-    "lost, packed": (lost(True), "384 bytes"),
-    "content": (inside(container(ONE, stated=90)), "48 of 90 bytes"),
-    "a frame of no size": (inside(container(ONE[:8] + bytes(4) + ONE[12:])), "more frames"),
+    "lost container": (two_of_three(False), "384 bytes"),
+    "lost, packed": (two_of_three(True), "384 bytes"),
+    "content": (with_body(container(ONE, stated=90)), "48 of 90 bytes"),
+    "a frame of no size": (with_body(container(ONE[:8] + bytes(4) + ONE[12:])), "more frames"),
     "packed content": (ends_early(), "unpacked"),
+    "unknown method": (with_body(block(10, struct.pack("<H6xL4x", 7, 48) + ONE)), ", 7,"),
     "an object beyond the end": (
-        inside(container(ONE) + block(RESTORE, bytes(8), size=600)), "damaged near",
+        with_body(container(ONE) + block(RESTORE, bytes(8), size=600)), "damaged near",
     ),
 }  # fmt: skip
 

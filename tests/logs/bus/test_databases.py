@@ -25,13 +25,13 @@ def folder(tmp_path):
     return tmp_path
 
 
-def opened(folder, buses):
+def values_and_notes(folder, buses):
     """The names and values of the log with files by bus, and its notes."""
     files = {bus: tuple(folder / name for name in names) for bus, names in buses.items()}
-    found = open_text_log(folder / "run.log", files)
-    names = [column.full for column in found.columns[1:]]
-    traces = found.read(range(1, 1 + len(names)))
-    return {name: trace.values for name, trace in zip(names, traces, strict=True)}, found.notes
+    recording = open_text_log(folder / "run.log", files)
+    names = [column.full for column in recording.columns[1:]]
+    traces = recording.read(range(1, 1 + len(names)))
+    return {name: trace.values for name, trace in zip(names, traces, strict=True)}, recording.notes
 
 
 @pytest.mark.parametrize(
@@ -50,10 +50,10 @@ def opened(folder, buses):
     ],
 )  # fmt: skip
 def test_one_identifier_with_a_meaning_on_each_bus(folder, buses, factors):
-    found, notes = opened(folder, buses)
-    assert list(found) == list(factors)
+    values, notes = values_and_notes(folder, buses)
+    assert list(values) == list(factors)
     for name, factor in factors.items():
-        np.testing.assert_allclose(found[name], factor * np.arange(60), err_msg=name)
+        np.testing.assert_allclose(values[name], factor * np.arange(60), err_msg=name)
     assert all(any(f"bus {bus}" in note for note in notes) for bus in buses)
 
 

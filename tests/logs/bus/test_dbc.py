@@ -32,7 +32,7 @@ VAL_ 1 Speed 255 "SNA" ;
 """
 
 
-def known(tmp_path, text, name="a.dbc"):
+def database_of(tmp_path, text, name="a.dbc"):
     path = tmp_path / name
     path.write_text(text)
     return read_databases({"": [path]}, "can", "run.blf")
@@ -58,27 +58,27 @@ def selects(byte):
 
 @pytest.mark.parametrize("name", ["Top", "Low", "Deep", "Flat", "Gear", "Speed"])
 def test_nested_multiplexers_are_those_of_cantools(tmp_path, rows, name):
-    theirs = cantools.database.load_string(MUX, "dbc").get_message_by_name("M")
+    reference = cantools.database.load_string(MUX, "dbc").get_message_by_name("M")
     expected = []
     for time, row in enumerate(rows):
-        signals = theirs.decode(row, decode_choices=False, allow_truncated=True)
+        signals = reference.decode(row, decode_choices=False, allow_truncated=True)
         if name in signals and not (name == "Speed" and row[4] == 255):
             expected.append((time, signals[name]))
-    found = decoded(known(tmp_path, MUX), name, rows)
-    there = ~np.isnan(found.values)
+    trace = decoded(database_of(tmp_path, MUX), name, rows)
+    is_valid = ~np.isnan(trace.values)
     assert len(expected) > 5
-    np.testing.assert_array_equal(found.time[there], [t for t, _ in expected])
-    np.testing.assert_allclose(found.values[there], [x for _, x in expected], rtol=1e-15)
+    np.testing.assert_array_equal(trace.time[is_valid], [t for t, _ in expected])
+    np.testing.assert_allclose(trace.values[is_valid], [x for _, x in expected], rtol=1e-15)
 
 
 def test_names_of_values_and_short_frames(tmp_path, rows):
-    """Named throughout it is a state; one value named as none is none; cut off is not there."""
-    dbc = known(tmp_path, MUX)
+    """A signal whose values all have names is a state; "SNA" is NaN; a short frame has no value."""
+    dbc = database_of(tmp_path, MUX)
     states = [name for name in ("Gear", "Speed", "Deep") if decoded(dbc, name, rows).is_state]
     assert states == ["Gear"]
-    found = decoded(dbc, "Speed", [b"\0\0\0\0\xfe\0\0\0", b"\xff" * 8, bytes(4), bytes(5)])
-    np.testing.assert_array_equal(found.time, [0.0, 1.0, 3.0])
-    np.testing.assert_array_equal(found.values, [127.0, np.nan, 0.0])
+    trace = decoded(dbc, "Speed", [b"\0\0\0\0\xfe\0\0\0", b"\xff" * 8, bytes(4), bytes(5)])
+    np.testing.assert_array_equal(trace.time, [0.0, 1.0, 3.0])
+    np.testing.assert_array_equal(trace.values, [127.0, np.nan, 0.0])
 
 
 A_TEXT = 'CM_ "{}";\n'
@@ -97,7 +97,7 @@ A_TEXT = 'CM_ "{}";\n'
 def test_what_is_no_dbc(tmp_path, text):
     """A text that never ends is refused before it costs memory."""
     with pytest.raises(ChannelMapError):
-        known(tmp_path, text)
+        database_of(tmp_path, text)
 
 
 def test_files_that_describe_one_frame_or_are_not_there(tmp_path):
@@ -127,8 +127,8 @@ SIGNAL = ' SG_ B : 0|8@1+ (1,0) [0|0] "bar" A\n'
     ],
 )
 def test_a_flaw_costs_its_message(tmp_path, flaw):
-    """Signals that overlap, are too far back, empty; names and signs that cannot be; a twin."""
-    dbc = known(tmp_path, MUX + flaw)
+    """Signals that overlap, lie outside or are empty; wrong names and signs; a second message."""
+    dbc = database_of(tmp_path, MUX + flaw)
     assert decoded(dbc, "Speed", [bytes([0, 0, 0, 0, 254, 0, 0, 0])]).values[0] == 127.0
     assert len(dbc.notes) == 2
     columns, places = described_signals([frames_of("0", (9, False), np.zeros(1), [bytes(2)])], dbc)
@@ -152,23 +152,23 @@ def test_names_of_more_than_32_characters(tmp_path):
         + 'BA_DEF_ SG_ "SystemSignalLongSymbol" STRING ;\n'
         + f'BA_ "SystemSignalLongSymbol" SG_ 1 {long[:32]} "{long}";\n'
     )
-    assert known(tmp_path, text).buses[""][1, False].get_signal_by_name(long).unit == "km/h"
+    assert database_of(tmp_path, text).buses[""][1, False].get_signal_by_name(long).unit == "km/h"
 
 
 FRAMES = 30
 
 
-def theirs(path):
+def canmatrix_frames(path):
     """Frames of canmatrix by identifier."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         import canmatrix.formats
 
         logging.getLogger("canmatrix").setLevel(logging.CRITICAL)
-        found = canmatrix.formats.loadp(str(path))
+        matrices = canmatrix.formats.loadp(str(path))
     return {
         (frame.arbitration_id.id, bool(frame.arbitration_id.extended)): frame
-        for matrix in found.values()
+        for matrix in matrices.values()
         for frame in matrix.frames
     }
 
@@ -179,25 +179,25 @@ def random_frames(key, length):
     return data, frames_of("0", key, np.arange(float(FRAMES)), data)
 
 
-def ours(frames, message, signal):
+def values_by_frame(frames, message, signal):
     """Value by number of the frame."""
-    found = decode(frames, message, signal)
-    return dict(zip(found.time.astype(int).tolist(), found.values.tolist(), strict=True))
+    trace = decode(frames, message, signal)
+    return dict(zip(trace.time.astype(int).tolist(), trace.values.tolist(), strict=True))
 
 
 @pytest.mark.parametrize("path", sorted(SAMPLES.glob("*.*[dkx][bcm][cdl]")), ids=lambda p: p.name)
 def test_signals_are_those_of_another_reader(path):
-    matrix, compared = theirs(path), 0
+    matrix, count = canmatrix_frames(path), 0
     for key, message in read_databases({"": [path]}, "can", "x").buses[""].items():
         data, frames = random_frames(key, message.length)
         decoded = [matrix[key].decode(row) for row in data]
         for signal in message.signals:
             expected = {i: float(row[signal.name].phys_value) for i, row in enumerate(decoded)
                         if signal.name in row}  # fmt: skip
-            found = ours(frames, message, signal)
-            assert found.keys() == expected.keys(), signal.name
+            values = values_by_frame(frames, message, signal)
+            assert values.keys() == expected.keys(), signal.name
             np.testing.assert_allclose(
-                [found[i] for i in expected], list(expected.values()), rtol=1e-12, equal_nan=True
+                [values[i] for i in expected], list(expected.values()), rtol=1e-12, equal_nan=True
             )
-            compared += len(expected)
-    assert compared >= 20
+            count += len(expected)
+    assert count >= 20

@@ -37,12 +37,12 @@ def test_a_second_run_in_the_file(refused_bus, lines):
 
 
 def test_a_message_on_two_buses_must_be_chosen(bus_folder, read_bus, refused_bus, lines):
-    both = "".join(line + line.replace("can0", "can1") for line in lines)
-    refused_bus("other.log", both)
+    two_buses = "".join(line + line.replace("can0", "can1") for line in lines)
+    refused_bus("other.log", two_buses)
     map_text = MAP.format(dbc='dbc = "chassis.dbc"\n')
     for name, message in (("Whl", "WHEELS"), ("PMc", "BRAKE"), ("Ax", "IMU"), ("VRef", "IMU")):
         map_text = map_text.replace(f'"{name}', f'"can1.{message}.{name}')
     (bus_folder / "can1.toml").write_text(map_text)
-    log = read_bus("other.log", both, "can1.toml")
+    log = read_bus("other.log", two_buses, "can1.toml")
     whole = read_bus("other.log", "".join(lines))
     np.testing.assert_array_equal(log["omega_fl"], whole["omega_fl"])

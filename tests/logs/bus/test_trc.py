@@ -1,4 +1,4 @@
-"""PEAK TRC: values as in the log of candump; a line that is damaged or cut off is refused."""
+"""PEAK TRC: values as in the log of candump; a line that is damaged or cut off is refusal_of."""
 
 import numpy as np
 import pytest
@@ -18,34 +18,33 @@ def texts():
     return {version: trc(version, messages()) for version in VERSIONS}
 
 
-def opened(bus_folder, text, name="run.trc"):
+def open_trc(bus_folder, text, name="run.trc"):
     path = bus_folder / name
     path.write_text(text)
     return open_text_log(path, {"": (bus_folder / "chassis.dbc",)})
 
 
-def refused(bus_folder, text):
-    return refusal(opened, bus_folder, text, kind=LogError, names="run.trc")
+def refusal_of(bus_folder, text):
+    return refusal(open_trc, bus_folder, text, kind=LogError, names="run.trc")
 
 
 @pytest.mark.parametrize("version", VERSIONS)
 def test_frames_are_those_of_the_run(bus_folder, texts, version):
-    found = opened(bus_folder, texts[version])
-    index = [c.name for c in found.columns].index("PMc")
-    (pressure,) = found.read([index])
-    mine = [m for m in messages() if m.is_extended_id and m.data[0] & 3 == 1]
-    raw = np.asarray([int.from_bytes(m.data[:3], "little") >> 4 & 0xFFFF for m in mine])
+    recording = open_trc(bus_folder, texts[version])
+    index = [c.name for c in recording.columns].index("PMc")
+    (pressure,) = recording.read([index])
+    sent = [m for m in messages() if m.is_extended_id and m.data[0] & 3 == 1]
+    raw = np.asarray([int.from_bytes(m.data[:3], "little") >> 4 & 0xFFFF for m in sent])
     np.testing.assert_array_equal(pressure.values, raw - 500.0)
     begin = min(m.timestamp for m in messages() if version >= "2" or not m.is_fd)
     tick = {"1.0": 1e-3, "1.1": 1e-4}.get(version, 1e-6)
-    np.testing.assert_allclose(pressure.time, [m.timestamp - begin for m in mine], atol=1.1 * tick)
+    np.testing.assert_allclose(pressure.time, [m.timestamp - begin for m in sent], atol=1.1 * tick)
 
 
 def test_a_log_with_fd_frames(bus_folder, texts):
     (bus_folder / "run.trc").write_text(texts["2.1"])
-    log, whole = (
-        read_log(bus_folder / n, bus_folder / "map.toml") for n in ("run.trc", "whole.log")
-    )
+    log = read_log(bus_folder / "run.trc", bus_folder / "map.toml")
+    whole = read_log(bus_folder / "whole.log", bus_folder / "map.toml")
     for name in ("omega_fl", "p_mc", "a_x", "v"):
         np.testing.assert_allclose(log[name], whole[name], rtol=1e-4, atol=1e-9)
 
@@ -65,15 +64,15 @@ def test_a_damaged_line(bus_folder, texts, version, damage):
         pytest.skip("it has no types")
     lines = texts[version].splitlines(keepends=True)
     lines[300] = DAMAGE[damage](lines[300])
-    refused(bus_folder, "".join(lines))
+    refusal_of(bus_folder, "".join(lines))
 
 
 @pytest.mark.parametrize("version", VERSIONS)
 def test_a_last_line_that_is_cut_off(bus_folder, texts, version):
-    """Without its end of line a line is whole, and PEAK-Converter leaves it out."""
+    """A last line without an end of line is whole: PEAK-Converter writes none."""
     lines = texts[version].splitlines(keepends=True)[:301]
-    count = len(opened(bus_folder, "".join(lines[:300])).read([1])[0].time)
+    count = len(open_trc(bus_folder, "".join(lines[:300])).read([1])[0].time)
     text = "".join(lines)
-    assert len(opened(bus_folder, text[:-1]).read([1])[0].time) in (count, count + 1)
+    assert len(open_trc(bus_folder, text[:-1]).read([1])[0].time) in (count, count + 1)
     for cut in (2, 7, 13):
-        refused(bus_folder, text[:-cut])
+        refusal_of(bus_folder, text[:-cut])
