@@ -2,6 +2,7 @@
 
 import io
 import logging
+import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -20,6 +21,8 @@ from calib.logs.source import CLOCK, ChannelTrace, Column, Recording, damaged
 
 _VALUE_TO_TEXT = {"3": (11, 12), "4": (7, 8)}  # types of conversion to text, by version of MDF
 _FRAME = "CAN_DataFrame"  # name of the channel for data frames in the ASAM standard
+_BUS_CHANNEL = re.compile(r"(CAN_(Data|Remote|Error|Overload)|LIN_)Frame(\..*)?")
+"""Names of channels for bus frames in this standard, and of their fields, such as ``.ID``."""
 _TIME_SYNC = 1  # type of a master channel of MDF 4 that holds time, not angle or distance
 _Place = tuple[int, int]  # numbers of the group and of the channel in it
 
@@ -34,12 +37,13 @@ def open_mdf(path: Path, dbc: Databases) -> Recording:
     asammdf = need("asammdf", "mdf", where, LogError)
     logging.getLogger("asammdf").setLevel(logging.CRITICAL + 1)  # its errors are raised as LogError
     note, counts = check_mdf(path)
+    is_finished = not note
     with _readable(where):
-        file = io.BytesIO(path.read_bytes()) if note else path
+        file = path if is_finished else io.BytesIO(path.read_bytes())  # asammdf would change it
         mdf = asammdf.MDF(file, process_bus_logging=False)
     try:
         _check_groups(mdf, counts, where)
-        return _recording(mdf, dbc, [note] if note else [], where)
+        return _recording(mdf, dbc, [] if is_finished else [note], where)
     except BaseException:
         mdf.close()
         raise
@@ -50,7 +54,7 @@ def _recording(mdf: Any, dbc: Databases, notes: list[str], where: str) -> Record
     bus_groups = [
         number
         for number, group in enumerate(mdf.groups)
-        if any(c.name.startswith(("CAN_", "LIN_")) and "Frame" in c.name for c in group.channels)
+        if any(_BUS_CHANNEL.fullmatch(channel.name) for channel in group.channels)
     ]
     titles = _titles(mdf)
     columns, places, left_out = _channels(mdf, bus_groups, titles)
@@ -62,7 +66,7 @@ def _recording(mdf: Any, dbc: Databases, notes: list[str], where: str) -> Record
         if not columns:
             check_described(frames, (), database, where)
     elif bus_groups:
-        notes.append("the log has bus frames, which need a DBC: name it in a channel map")
+        notes.append("bus frames were not read: CAN needs a DBC in a channel map, LIN is not known")
     signal_columns, signals = described_signals(frames, database)
 
     def read(indices: Sequence[int]) -> list[ChannelTrace]:
@@ -81,8 +85,8 @@ def _recording(mdf: Any, dbc: Databases, notes: list[str], where: str) -> Record
 def _check_groups(mdf: Any, counts: dict[int, int], where: str) -> None:
     """Raise LogError for damage that asammdf does not notice, and for a file that is too large.
 
-    A channel must lie within its record, and a group of an unfinished file must have the number of
-    records in ``counts``, by its first byte.
+    A channel must lie within its record. A group of an unfinished file must have as many records as
+    were counted: ``counts`` has their number by the first byte of the group.
     """
     for group in mdf.groups:
         record = group.channel_group
@@ -94,10 +98,10 @@ def _check_groups(mdf: Any, counts: dict[int, int], where: str) -> None:
             unpacked = f"its records at byte {record.address} unpack to"
             raise LogError(RECORDING.too_large(unpacked), where=where)
         for channel in group.channels:
-            if str(mdf.version) < "4":
-                byte, bit = getattr(channel, "additional_byte_offset", 0), channel.start_offset
-            else:
+            if str(mdf.version).startswith("4"):
                 byte, bit = channel.byte_offset, channel.bit_offset
+            else:
+                byte, bit = getattr(channel, "additional_byte_offset", 0), channel.start_offset
             if 8 * byte + bit + channel.bit_count > 8 * size:
                 flaw = f"the channel at byte {channel.address} lies outside its records"
                 raise damaged(where, flaw, f"bits within {size} bytes")
@@ -112,13 +116,14 @@ def _channels(
         if number in bus_groups or not (group.channel_group.cycles_nr and group.channels):
             continue
         master = mdf.masters_db.get(number)
-        if master is None or getattr(group.channels[master], "sync_type", 1) != _TIME_SYNC:
+        # MDF 3 has masters of time alone, and no `sync_type`
+        if master is None or getattr(group.channels[master], "sync_type", _TIME_SYNC) != _TIME_SYNC:
             notes.append(f"group {number} has no clock in seconds and was left out")
             continue
         for index, channel in enumerate(group.channels):
             if index != master:
-                unit = getattr(channel.conversion, "unit", "") if channel.conversion else ""
-                unit = (channel.unit or unit or "").strip() or None
+                written = channel.unit or getattr(channel.conversion, "unit", "") or ""
+                unit = written.strip() or None
                 columns.append(Column(channel.name, unit, f"{titles[number]}.{channel.name}"))
                 places.append((number, index))
     return columns, places, notes
@@ -135,24 +140,27 @@ def _traces(
     mdf: Any, places: Sequence[_Place], titles: Sequence[str], where: str
 ) -> list[ChannelTrace]:
     result = []
-    for place, signal in zip(places, _select(mdf, places, True, where), strict=True):
+    signals = _select(mdf, places, where, names_as_nan=False)
+    for place, signal in zip(places, signals, strict=True):
         number, index = place
         group = mdf.groups[number]
         cycles, channel = int(group.channel_group.cycles_nr), group.channels[index].name
-        count = len(signal.samples)  # a sample may be an array
-        if not count == signal.timestamps.size == cycles:
-            raise _too_few("samples", count, cycles, f"{where}: {channel}")
+        # a sample may be an array
+        if len(signal.samples) != cycles or signal.timestamps.size != cycles:
+            readable = min(len(signal.samples), signal.timestamps.size)
+            raise _too_few("samples", readable, cycles, f"{where}: {channel}")
         values, is_state = _values(mdf, place, signal, f"{where}: {channel}")
         result.append(ChannelTrace(titles[number], signal.timestamps, values, is_state))
     return result
 
 
-def _select(mdf: Any, places: Sequence[_Place], names_as_numbers: bool, where: str) -> list[Any]:
+def _select(mdf: Any, places: Sequence[_Place], where: str, *, names_as_nan: bool) -> list[Any]:
+    """Read channels; a value with a name is a number, or, with ``names_as_nan``, NaN or text."""
     with _readable(where):
         signals: list[Any] = mdf.select(
             [(None, *place) for place in places],
             copy_master=False,
-            ignore_value2text_conversions=names_as_numbers,
+            ignore_value2text_conversions=not names_as_nan,
         )
     return signals
 
@@ -168,9 +176,10 @@ def _values(mdf: Any, place: _Place, signal: Any, where: str) -> tuple[np.ndarra
     is_state = bool(conversion) and conversion.conversion_type in kinds
     samples = signal.samples
     if is_state:
-        named_as_nan = _select(mdf, [place], False, where)[0].samples
-        if named_as_nan.dtype.kind in "iuf":  # numbers, not text: some values have no names
-            samples, is_state = named_as_nan, False
+        # asammdf returns text if every value has a name, or else numbers, with NaN for named values
+        (with_names,) = _select(mdf, [place], where, names_as_nan=True)
+        if with_names.samples.dtype.kind in "iuf":
+            samples, is_state = with_names.samples, False
     if samples.dtype.kind not in "biuf" or samples.ndim != 1:
         flaw = f"holds {samples.dtype}, shape {samples.shape[1:]}"
         raise LogError(flaw, where=where, expected="a numeric channel")
@@ -181,7 +190,7 @@ def _values(mdf: Any, place: _Place, signal: Any, where: str) -> tuple[np.ndarra
 
 
 def _frames(mdf: Any, groups: list[int], database: Dbc, where: str) -> list[Frames]:
-    """Return the frames that the database describes, for each message those of all groups."""
+    """Return the frames that the database describes; those of one message from all groups."""
     records = [_frame_records(mdf, number, where) for number in groups]
     parts = [record for record in records if record is not None]
     if not parts:
@@ -218,13 +227,11 @@ def _frame_records(mdf: Any, number: int, where: str) -> _FrameRecords | None:
     cycles = int(mdf.groups[number].channel_group.cycles_nr)
     if f"{_FRAME}.DataBytes" not in names or not cycles:
         return None
+    optional = [x for x in ("IDE", "BusChannel", "DataLength") if f"{_FRAME}.{x}" in names]
     with _readable(where, "frames"):
-        fields = {
-            name: mdf.get(f"{_FRAME}.{name}", group=number)
-            for name in ("ID", "DataBytes", "IDE", "BusChannel", "DataLength")
-            if f"{_FRAME}.{name}" in names or name == "ID"
-        }
-    time, data = fields["ID"].timestamps, fields.pop("DataBytes").samples
+        fields = {x: mdf.get(f"{_FRAME}.{x}", group=number) for x in ("ID", *optional)}
+        data = mdf.get(f"{_FRAME}.DataBytes", group=number).samples
+    time = fields["ID"].timestamps
     numbers = {name: field.samples for name, field in fields.items()}
     if not len(data) == numbers["ID"].size == cycles:
         raise _too_few("frames", min(len(data), numbers["ID"].size), cycles, where)

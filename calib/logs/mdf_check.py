@@ -30,12 +30,12 @@ _COUNTS, _LAST_LENGTH, _VLSD_SIZES = 1, 4, 32
 """Flags of what a recorder did not write: counts of records, length of the last DT, VLSD sizes."""
 _HEAD = 64  # bytes of the identification block, after which the first block begins
 _BLOCK = struct.Struct("<4s4xQQ")  # kind, length, number of links
-_GROUP = struct.Struct("<QQHHLLL")  # content of ##CG: see `_counted`
+_GROUP = struct.Struct("<QQHHLLL")  # content of ##CG: see `_count_records`
 _UNPACKED = struct.Struct("<8xQ")  # content of ##DZ: unpacked size
 _MOST_LINKS = 10_000_000
 _TREE = (b"##HD", b"##DG", b"##CG", b"##CN")
 """Blocks that form a tree: no two of their first two links may lead to the same block."""
-_LINKS_3 = {b"HD": 1, b"DG": 2, b"CG": 2, b"CN": 1}  # number of these links in a block of MDF 3
+_TREE_LINKS_3 = {b"HD": 1, b"DG": 2, b"CG": 2, b"CN": 1}  # number of such links in MDF 3
 _START = 24  # bytes of a ##DT before its data
 _VARIABLE = 1  # flag of a group whose records differ in length; such a group has no channels
 
@@ -61,8 +61,8 @@ class _Group:
 def check_mdf(path: Path) -> tuple[str, dict[int, int]]:
     """Check all blocks of a file, and count the records of an unfinished file.
 
-    Return a note, and the number of records by first byte of the group; note and numbers are empty
-    for a finished file. Raises LogError for a file that is not MDF, is cut off or damaged, or
+    Return a note, and the number of records by first byte of the group; both are empty for a
+    finished file. Raises LogError for a file that is not MDF, is cut off or damaged, or
     cannot be finished.
     """
     with path.open("rb") as file:
@@ -72,8 +72,9 @@ def check_mdf(path: Path) -> tuple[str, dict[int, int]]:
             raise LogError("not an MDF file", where=path, expected="a file that begins with MDF")
         if len(head) < _HEAD:
             raise _short(path, len(head), _HEAD)
-        flags = int.from_bytes(head[60:62], "little") if begin == b"UnFinMF" else 0
+        flags = 0  # of what is missing in an unfinished file
         if begin == b"UnFinMF":
+            flags = int.from_bytes(head[60:62], "little")
             unknown = flags & ~(_COUNTS | _LAST_LENGTH | _VLSD_SIZES)
             # without flags it is not known what the recorder did not write
             can_be_finished = flags > 0 and not unknown and b"4.10" <= version < b"5"
@@ -83,12 +84,12 @@ def check_mdf(path: Path) -> tuple[str, dict[int, int]]:
             raise LogError(f"MDF version {text!r}", where=path, expected="3.x or 4.x")
         with mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
             try:
-                if not version.startswith(b"4"):
-                    byte_order = "<" if head[24:26] == b"\0\0" else ">"
-                    _refuse_rings(data, byte_order, path)
-                    return "", {}
-                starts = sorted(_check_blocks(data, path) | {len(data)})
-                return _counted(data, flags, starts, path) if flags else ("", {})
+                if version.startswith(b"4"):
+                    starts = sorted([*_check_blocks(data, path), len(data)])
+                    return _count_records(data, flags, starts, path) if flags else ("", {})
+                byte_order = "<" if head[24:26] == b"\0\0" else ">"
+                _refuse_rings(data, byte_order, path)
+                return "", {}
             except (struct.error, IndexError, ValueError, OverflowError) as cause:
                 flaw = f"a block is shorter than its kind, or links go round: {cause}"
                 raise damaged(path, flaw) from cause
@@ -118,27 +119,26 @@ def _refuse_rings(data: mmap.mmap, byte_order: str, path: Path) -> None:
         if place in visited:
             raise ValueError(f"a second link to byte {place}")
         visited.add(place)
-        if place + 4 > len(data):
-            raise _short(path, len(data), place + 4)
-        links = _LINKS_3.get(data[place : place + 2], 0)
+        end = place + 4
+        if end <= len(data):
+            end = place + struct.unpack_from(f"{byte_order}H", data, place + 2)[0]
+        if end > len(data):
+            raise _short(path, len(data), end)
+        links = _TREE_LINKS_3.get(data[place : place + 2], 0)
         todo += filter(None, struct.unpack_from(f"{byte_order}{links}I", data, place + 4))
 
 
 def _check_blocks(data: mmap.mmap, path: Path) -> set[int]:
-    """Return the first bytes of all blocks of MDF 4.
-
-    Raises LogError for a block past the end of the file, ValueError for two links to one block of
-    the tree.
-    """
+    """Return the first bytes of all blocks of MDF 4. Raises for a block past the end, or a ring."""
     visited, linked, todo = set[int](), set[int](), [_HEAD]
-    size, end, unpacked = len(data), _HEAD, 0  # [bytes] of the file, of all blocks, of ##DZ
+    size, end, unpacked = len(data), _HEAD, 0  # bytes of the file, of its blocks, of all ##DZ
     while todo:
         place = todo.pop()
         if place in visited or place == 0:
             continue
         visited.add(place)
         end = max(end, place + _BLOCK.size)
-        if place + _BLOCK.size > size:
+        if place + _BLOCK.size > size:  # cut off: go on, to add up how much is missing
             continue
         kind, length, links = _BLOCK.unpack_from(data, place)
         if kind[:2] != b"##" or links > _MOST_LINKS or length < _BLOCK.size + 8 * links:
@@ -149,8 +149,8 @@ def _check_blocks(data: mmap.mmap, path: Path) -> set[int]:
         if links and place + _BLOCK.size + 8 * links <= size:
             targets = struct.unpack_from(f"<{links}Q", data, place + _BLOCK.size)
             todo += targets
-            for link in targets[:2] if kind in _TREE else ():
-                if data[link : link + 4] in _TREE:
+            for link in targets[:2]:
+                if kind in _TREE and data[link : link + 4] in _TREE:
                     if link in linked:
                         raise ValueError(f"a second link to byte {link}")
                     linked.add(link)
@@ -161,7 +161,7 @@ def _check_blocks(data: mmap.mmap, path: Path) -> set[int]:
     return visited
 
 
-def _counted(
+def _count_records(
     data: mmap.mmap, flags: int, starts: list[int], path: Path
 ) -> tuple[str, dict[int, int]]:
     """Count the records of an unfinished file; return a note and the counts by group.
@@ -188,8 +188,9 @@ def _counted(
         end = begin + block.length
         if flags & _LAST_LENGTH:  # the records reach to the next block, or to the end of the file
             end = starts[bisect(starts, begin)]
-        last = _count(data, groups, (begin + _START, end), id_size, path)
-        leftover += end - last if any(data[last:end]) else 0
+        last = _count_in(data, (begin + _START, end), groups, id_size, path)
+        if any(data[last:end]):
+            leftover += end - last
         for group in groups.values():
             if group.count < group.stated:
                 missing = f"{group.stated - group.count} are missing"
@@ -204,8 +205,8 @@ def _counted(
     return f"{note}; nothing in the file shows whether more are missing at its end", counts
 
 
-def _count(
-    data: mmap.mmap, groups: dict[int, _Group], span: tuple[int, int], id_size: int, path: Path
+def _count_in(
+    data: mmap.mmap, span: tuple[int, int], groups: dict[int, _Group], id_size: int, path: Path
 ) -> int:
     """Count the records within a ``span`` of bytes in their groups; return the end of the last.
 
@@ -225,13 +226,13 @@ def _count(
                 break
             flaw = f"damaged near byte {place}: no group has records with the identifier {number}"
             raise damaged(path, flaw, "records of the groups of the file")
-        start, width = place + id_size, group.size
-        if group.is_variable:
-            width, start = int.from_bytes(data[start : start + 4], "little"), start + 4
-        if start + width > end:
+        start, size = place + id_size, group.size
+        if group.is_variable:  # the length of the record comes first
+            size = 4 + int.from_bytes(data[start : start + 4], "little")
+        if start + size > end:
             break
         group.count += 1
-        place = start + width
+        place = start + size
     return place
 
 
@@ -241,8 +242,9 @@ def _short(path: Path, size: int, end: int) -> LogError:
     return damaged(path, flaw, "a complete file")
 
 
-def _require(can_be_finished: bool, path: Path, why: str) -> None:
-    if not can_be_finished:
+def _require(condition: bool, path: Path, why: str) -> None:
+    """Raise LogError, because an unfinished file cannot be finished, unless a condition is met."""
+    if not condition:
         flaw = f"the recorder did not finish the file, and it cannot be finished here: {why}"
         expected = "MDF 4.1 that lacks only counts and the length of its data"
         do = "finish it with the recorder's own tool, or open and save it with an MDF editor"

@@ -124,6 +124,13 @@ def test_frames_of_a_bus_are_decoded_as_asammdf_does(tmp_path):
     assert read_log(path, map_file).time.size > 1700
 
 
+@pytest.mark.parametrize(("name", "is_bus"), [("LIN_Frame.ID", True), ("CAN_FrameCounter", False)])
+def test_only_the_names_of_the_standard_are_bus_frames(tmp_path, name, is_bus):
+    log = read_log(write(tmp_path / "run.mf4", required_but(), [signal(name, "")]))
+    assert any("LIN" in note for note in log.notes) is is_bus
+    assert (name in log.ignored) is not is_bus
+
+
 def test_frames_without_a_dbc_are_left_and_that_is_said(tmp_path):
     path = write_bus(tmp_path / "bus.mf4")
     with pytest.raises(LogError, match="DBC"):

@@ -6,7 +6,7 @@ from dataclasses import replace
 import asammdf
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from calib.base.errors import LogError
@@ -19,16 +19,16 @@ from tests.support.refusals import refusal
 ROWS = [Row(0.01 * i, 1, 256, struct.pack(">4H", *range(i, i + 4))) for i in range(200)]
 
 
-def opened(folder, data):
+def read_logger(folder, data):
     write_dbc(folder)
     path = folder / "run.mf4"
     path.write_bytes(data)
-    found = open_mdf(path, {"": (folder / "chassis.dbc",)})
-    traces = found.read([1, 4])
-    found.close()
+    recording = open_mdf(path, {"": (folder / "chassis.dbc",)})
+    traces = recording.read([1, 4])
+    recording.close()
     assert path.read_bytes() == data
     assert sorted(p.name for p in folder.iterdir()) == ["chassis.dbc", "map.toml", "run.mf4"]
-    return found, traces
+    return recording, traces
 
 
 NAMES = ["run.mf4", "packed.mf4", "run.mdf", "bus.mf4"]
@@ -47,13 +47,14 @@ def folder(tmp_path_factory):
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=40)
 @given(name=st.sampled_from(NAMES), share=st.floats(0.0, 1.0, exclude_max=True))
+@example(name="run.mdf", share=0.999999)  # one byte
 def test_a_file_cut_anywhere_is_refused(folder, name, share):
     data = (folder / name).read_bytes()
-    left = int(share * len(data))
+    size = int(share * len(data))
     path = folder / f"cut_{name}"
-    path.write_bytes(data[:left])
+    path.write_bytes(data[:size])
     message = refusal(open_mdf, path, {}, kind=LogError)
-    assert left < 8 or name == "run.mdf" or "are missing" in message
+    assert size < 8 or name == "run.mdf" or "are missing" in message
 
 
 @pytest.mark.parametrize("vlsd", [False, True])
@@ -61,12 +62,12 @@ def test_a_file_that_the_recorder_did_not_finish(tmp_path, vlsd):
     """Identifiers of 16 bits; frames received and sent are one message."""
     rows = [replace(row, sent=i % 3 == 0) for i, row in enumerate(ROWS)]
     for frames in (ROWS, rows):
-        found, (left, right) = opened(tmp_path, logger_mf4(frames, vlsd))
-        assert found.columns[1].full == "WHEELS.WhlFL"
+        recording, (left, right) = read_logger(tmp_path, logger_mf4(frames, vlsd))
+        assert recording.columns[1].full == "WHEELS.WhlFL"
         np.testing.assert_allclose(left.time, 0.01 * np.arange(200))
         np.testing.assert_allclose(left.values, 0.005 * np.arange(200))
         np.testing.assert_allclose(right.values, 0.005 * np.arange(3, 203))
-        assert any(" 200 records" in note for note in found.notes)
+        assert any(" 200 records" in note for note in recording.notes)
 
 
 DATA = logger_mf4(ROWS)
@@ -90,19 +91,19 @@ def with_bytes(place, form, *values, data=DATA):
     ],
 )  # fmt: skip
 def test_records_that_are_not_whole_are_left_out_and_told(tmp_path, data, records, left_out):
-    found, (trace, _) = opened(tmp_path, data)
+    recording, (trace, _) = read_logger(tmp_path, data)
     assert trace.time.size == records
-    left_out_notes = [note for note in found.notes if "left out" in note]
+    left_out_notes = [note for note in recording.notes if "left out" in note]
     assert [f" {left_out} bytes" in note for note in left_out_notes] == [True] * (left_out > 0)
 
 
-def channel_at(name):
+def place_of_channel(name):
     return DATA.index(b"##CN", DATA.index(name + b"\0"))
 
 
 def too_far(name, byte):
     """A channel at a byte outside its record."""
-    return with_bytes(channel_at(name) + 24 + 64 + 4, "<L", byte), str(channel_at(name))
+    return with_bytes(place_of_channel(name) + 24 + 64 + 4, "<L", byte), str(place_of_channel(name))
 
 
 REFUSED = {
@@ -123,7 +124,7 @@ REFUSED = {
 
 @pytest.mark.parametrize(("data", "says"), REFUSED.values(), ids=REFUSED)
 def test_what_is_no_mdf_or_damaged(tmp_path, data, says):
-    assert says in refusal(opened, tmp_path, data, kind=LogError)
+    assert says in refusal(read_logger, tmp_path, data, kind=LogError)
 
 
 @pytest.mark.parametrize("name", ["run.mf4", "packed.mf4", "run.mdf"])
@@ -138,8 +139,8 @@ def test_fewer_samples_than_the_group_counts(folder, name):
     damaged = [with_bytes(place, form, 2 * count, data=data)]
     if name == "run.mf4":  # and a flag: its records differ in length
         damaged.append(with_bytes(place, "<QH", 10**15, 1, data=data))
-    for found in damaged:
-        (folder / f"few_{name}").write_bytes(found)
+    for data in damaged:
+        (folder / f"few_{name}").write_bytes(data)
         refusal(read_log, folder / f"few_{name}", folder / "plain.toml", kind=LogError)
 
 
