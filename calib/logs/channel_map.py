@@ -85,10 +85,10 @@ def assign(
 ) -> tuple[list[Assigned], tuple[str, ...], list[str]]:
     """Return the channels of the file ``where``, the names of its other columns, and notes.
 
-    A channel is a column that the map names, or else a column with the name of a channel. If the
-    map does not name it and its unit is not known, an optional channel is left out, with a note.
-    Raises LogError for another channel without a known unit, and for a channel that is missing or
-    occurs twice; ChannelMapError for a source that is not in the file.
+    A channel is a column that the map names, or else a column with the name of a channel. An
+    optional channel of the second kind is left out, with a note, if its unit is not known. Raises
+    LogError for any other channel without a known unit, and for a channel that is missing or occurs
+    twice; ChannelMapError for a source that is not in the file.
     """
     mapped = channel_map.channels if channel_map else {}
     ignore = channel_map.ignore if channel_map else ()
@@ -99,12 +99,13 @@ def assign(
         name, quantity = column.name, CHANNELS.get(column.name)
         if index in mapped_indices or name in mapped or name in ignore:
             continue
+        si = quantity.si if quantity else _truth_si(column)
         is_optional = quantity is not None and not quantity.required and name not in require
-        if quantity and is_optional and not is_unit(column.unit or "", quantity.si):
+        if si and is_optional and not is_unit(column.unit or "", si):
             flaw = f"the unknown unit {column.unit!r}" if column.unit else "no unit"
             do = "name its unit in the header or in a channel map"
             notes.append(f"{name} has {flaw} and was left out: {do}")
-        elif si := quantity.si if quantity else _truth_si(column):
+        elif si:
             assigned.append(assigned_column(name, index, column, Mapping(name), si, where))
     count = Counter(item.channel for item in assigned)
     if twice := next((channel for channel in count if count[channel] > 1), None):

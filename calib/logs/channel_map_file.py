@@ -67,17 +67,12 @@ _NOT_FOR_LOGS = ("punycode", "idna", "unicode-escape", "raw-unicode-escape", "ut
 
 
 def _refuse_unusable_encoding(name: str) -> str:
-    try:
-        can_hold_logs = (
-            codecs.lookup(name).name not in _NOT_FOR_LOGS
-            and _SAMPLE.encode(name).decode(name) == _SAMPLE
-        )
-    except (LookupError, ValueError, TypeError):
-        can_hold_logs = False
-    if not can_hold_logs:
-        expected = 'an encoding such as "utf-8" or "latin-1"'
-        raise wrong(f"unknown encoding of text {shortened(name)}", expected)
-    return name
+    with suppress(LookupError, ValueError, TypeError):
+        is_for_text = codecs.lookup(name).name not in _NOT_FOR_LOGS
+        if is_for_text and _SAMPLE.encode(name).decode(name) == _SAMPLE:
+            return name
+    expected = 'an encoding such as "utf-8" or "latin-1"'
+    raise wrong(f"unknown encoding of text {shortened(name)}", expected)
 
 
 class _TextSection(Section):
@@ -89,9 +84,9 @@ class _TextSection(Section):
 
 
 _FIRST_FIT = Field(union_mode="left_to_right")  # of several types the first that fits is taken
-_Files = Annotated[_Name | list[_Name], _FIRST_FIT]
-_ByBus = Annotated[dict[_Name, _Files], Field(min_length=1)]
-_FILES = (
+_Databases = Annotated[_Name | list[_Name], _FIRST_FIT]
+_DatabasesByBus = Annotated[dict[_Name, _Databases], Field(min_length=1)]
+_DBC_FORM = (
     "the path of a DBC file (or ARXML, KCD, SYM), or a list of them; or these for each bus by its "
     "number or name"
 )
@@ -103,11 +98,12 @@ class ChannelMapFile(FileSchema):
     channels: _ChannelsSection | None = None  # type: ignore[valid-type]
     text: _TextSection | None = None
     ignore: Annotated[list[_Name], _expecting("a list of names of columns")] | None = None
-    dbc: Annotated[_Files | _ByBus, _FIRST_FIT, _expecting(_FILES)] | None = None
+    dbc: Annotated[_Databases | _DatabasesByBus, _FIRST_FIT, _expecting(_DBC_FORM)] | None = None
 
     @model_validator(mode="after")
     def _refuse_empty(self) -> Self:
-        if self.model_fields_set <= {"schema_version"}:
+        keys = self.model_fields_set - {"schema_version"}
+        if not keys:  # the error names the key that most maps have
             raise wrong("key 'channels' is missing", "a value for 'channels'")
         return self
 

@@ -60,11 +60,9 @@ def on_line(time: Array) -> tuple[Array, tuple[str, ...]]:
     line = np.asarray(start + slope * number)
     if rounding < _FINE * step or np.max(np.abs(line - time)) > rounding:
         return time, ()
-    note = (
-        f"times are written in steps of {1e3 * rounding:.3g} ms; they were put on the even clock "
-        f"of {step_of(line) * 1e3:.6g} ms that they lie on"
-    )
-    return line, (note,)
+    even_clock = f"the even clock of {step_of(line) * 1e3:.6g} ms that they lie on"
+    written = f"times are written in steps of {1e3 * rounding:.3g} ms"
+    return line, (f"{written}; they were put on {even_clock}",)
 
 
 def _slope(time: Array) -> float:
@@ -72,9 +70,9 @@ def _slope(time: Array) -> float:
     mean, steps = step_of(time), np.diff(time)
     part = np.concatenate([[0], np.cumsum(steps > GAP * mean)])  # (n,) index of the part
     number = np.concatenate([[0.0], np.cumsum(np.round(steps / mean))])
-    size = np.bincount(part)
-    # sample numbers and times, less their means in the part
-    x, y = (values - (np.bincount(part, values) / size)[part] for values in (number, time))
+    size = np.bincount(part)  # (parts,) number of samples
+    x = number - (np.bincount(part, number) / size)[part]  # (n,) less the mean of the part
+    y = time - (np.bincount(part, time) / size)[part]
     return float(x @ y / (x @ x))
 
 
@@ -102,20 +100,22 @@ def check_running(time: Array, where: str) -> None:
 
 
 _RATES = 40.0, 1000.0  # lowest and highest sample rate of a log [Hz]
+_FAR = 5.0  # factor beyond these rates [1] from which a wrong unit is likelier than an odd rate
 TIME_UNITS = {unit: to_si(1.0, unit, "s") for unit in QUANTITIES["s"][1]}
 """Size [s] of each unit of time."""
 _BURST = 0.25  # a step shorter than this share of the mean step [1] lies within a burst
-_BURSTS = 0.1  # largest share of steps within bursts [1]; frames of a bus wait for each other
+_BURSTS = 0.1  # largest share of such steps [1]; a few are normal, as bus frames wait for others
 _FEWEST_BURSTS = 5  # fewest long steps between bursts; fewer are jumps of the clock
 
 
 def check_clock(time: Array, where: str, unit: str) -> None:
-    """Check that ``time`` [s] (n,) has enough samples, increases, and passes `_check_steps`."""
+    """Raise LogError unless ``time`` [s] (n,), which the file has in ``unit``, is that of a log."""
     if time.size < _MIN_SAMPLES:
         expected = f"at least {_MIN_SAMPLES}"
         raise LogError(f"only {time.size} samples", where=where, expected=expected)
     check_increasing(time, where)
-    _check_steps(time, where, unit)
+    _check_unit(time, where, unit)
+    _check_bursts(time, where)
 
 
 def check_increasing(time: Array, where: str) -> None:
@@ -130,15 +130,13 @@ def check_increasing(time: Array, where: str) -> None:
         return
     row = int(wrong[0]) + 1
     kind, do = _disorder(time, row)
-    flaw = (
-        f"time {kind} in row {row + 1}, to {time[row] - time[0]:.6f} s after "
-        f"{time[row - 1] - time[0]:.6f} s since the start ({counted(wrong.size, 'such row')})"
-    )
+    step = f"to {time[row] - time[0]:.6f} s after {time[row - 1] - time[0]:.6f} s since the start"
+    flaw = f"time {kind} in row {row + 1}, {step} ({counted(wrong.size, 'such row')})"
     raise LogError(flaw, where=f"{where}: time", expected="strictly increasing time", do=do)
 
 
 def _disorder(time: Array, row: int) -> tuple[str, str]:
-    """Name the flaw of a ``time`` [s] (n,) that does not increase to ``row``, and what to do."""
+    """Return what ``time`` [s] (n,) does in ``row`` instead of increasing, and what to do."""
     steps, sorted_steps = np.diff(time), np.diff(np.sort(time))
     usual = float(np.median(sorted_steps))
     if np.all(steps < 0.0):
@@ -149,52 +147,46 @@ def _disorder(time: Array, row: int) -> tuple[str, str]:
         return "does not increase", "export again, or delete the repeated rows"
     if np.all((sorted_steps > _BURST * usual) & (sorted_steps < GAP * usual)):
         return "goes back", "sort the rows by time"
-    return "goes back", (
-        f"if its counter overflowed or its clock was set, add {usual - steps[row - 1]:.6f} s from "
-        "this row on; split runs whose time begins again"
+    add = f"add {usual - steps[row - 1]:.6f} s from this row on"
+    do = (
+        f"if its counter overflowed or its clock was set, {add}; split runs whose time begins again"
     )
+    return "goes back", do
 
 
-def _check_steps(time: Array, where: str, unit: str) -> None:
-    """Check that a recorder can have made the steps of an increasing ``time`` [s] (n,).
-
-    ``unit`` is the unit in the file. Raises LogError if another unit gives a likely sample rate and
-    this one does not, for a clock that jumps in every second, and for samples that come in bursts.
-    """
-    steps = np.diff(time)
-    median = float(np.median(steps))
+def _check_unit(time: Array, where: str, unit: str) -> None:
+    """Raise LogError if another unit of time gives a likely sample rate, and ``unit`` does not."""
+    median = float(np.median(np.diff(time)))
     shortest, longest = 1.0 / _RATES[1], 1.0 / _RATES[0]
     written_step = median / to_si(1.0, unit, "s")
     likely = [u for u, size in TIME_UNITS.items() if shortest <= written_step * size <= longest]
-    if likely and not 0.2 * shortest <= median <= 5.0 * longest:
+    if likely and not shortest / _FAR <= median <= longest * _FAR:
         flaw = f"is the time in {likely[0]}, not {unit}? the step would be {_duration(median)}"
         expected = f"a rate of {_RATES[0]:.0f} Hz to {_RATES[1] / 1e3:.0f} kHz"
         do = "correct the header, or give the unit in a channel map"
         raise LogError(flaw, where=f"{where}: time", expected=expected, do=do)
-    _check_bursts(time, where)
 
 
 def _check_bursts(time: Array, where: str) -> None:
-    """Raise LogError if many steps of a ``time`` [s] (n,) are far below the mean step."""
+    """Raise LogError if many steps of ``time`` [s] (n,) are far below the mean step."""
     steps = np.diff(time)
     mean = float(np.mean(steps))
     if np.mean(steps < _BURST * mean) <= _BURSTS:
         return
     pauses = np.flatnonzero(steps > mean)
     pause = float(np.median(steps[pauses]))
-    flaw = (
-        f"samples come in bursts, every {_duration(pause)}: their times are those at which an "
-        "adapter handed them out"
-    )
-    expected = "the time at which each was sent or measured"
-    do = "record with time stamps of the hardware, or lower the latency of the adapter"
-    # a program that writes milliseconds with four digits writes 999 ms as .0999
-    if pauses.size > 1 and np.allclose(np.diff(time[pauses]), 1.0, atol=0.05):
+    is_every_second = np.allclose(np.diff(time[pauses]), 1.0, atol=0.05)
+    if pauses.size > 1 and is_every_second:  # 0.999 s was written as .0999, and then comes 1.0000
         flaw = f"the clock jumps by {pause:.2g} s in every second, and counts only the rest"
         expected = "parts of a second that go up to the next one"
         do = "are its milliseconds written with more than three digits? export the time in s"
     elif pauses.size < _FEWEST_BURSTS:
         raise _jump(time, where)
+    else:
+        bursts = f"samples come in bursts, every {_duration(pause)}"
+        flaw = f"{bursts}: their times are those at which an adapter handed them out"
+        expected = "the time at which each was sent or measured"
+        do = "record with time stamps of the hardware, or lower the latency of the adapter"
     raise LogError(flaw, where=f"{where}: time", expected=expected, do=do)
 
 
@@ -202,10 +194,8 @@ def _jump(time: Array, where: str) -> LogError:
     """Return the error for the largest jump of a clock in its ``time`` [s] (n,)."""
     steps = np.diff(time)
     row = int(np.argmax(steps)) + 1
-    do = (
-        "cut the log there if two recordings were joined; if the clock was set, as to summer time, "
-        "subtract the jump from the rows after it"
-    )
+    set_back = "if the clock was set, as to summer time, subtract the jump from the rows after it"
+    do = f"cut the log there if two recordings were joined; {set_back}"
     # a time of day written as the number hhmmss jumps from ..59 to ..00 of the next hundred
     second, next_second = time[row - 1] % 100.0, time[row] % 100.0
     two_steps = 2.0 * np.median(steps)

@@ -31,7 +31,7 @@ def computed_pressures(
     indices = [
         index
         for index, column in enumerate(source.columns)
-        if column.name in ignored and is_other_quantity(column.unit)
+        if column.name in ignored and may_be_source(column.unit)
     ]
     for index, values in zip(indices, read_each(source.read, indices), strict=True):
         if isinstance(values, LogError):
@@ -53,11 +53,11 @@ def factor_between(channel: Array, other: Array) -> float | None:
     return round(factor, 12) if residual < LIMITS.computed_alike * channel_range else None
 
 
-def is_other_quantity(unit: str | None) -> bool:
-    """Whether a column with this unit may be the source of a computed pressure.
+def may_be_source(unit: str | None) -> bool:
+    """Whether a pressure may have been computed from a column with this unit.
 
-    A pressure is no such source, since it may be the same pressure in another unit; nor is a number
-    without a unit, since it may be the raw count of the pressure.
+    Excluded are pressures, since one may be the same pressure in another unit; numbers without a
+    unit, since one may be the raw count of the pressure; and times, which are no measured quantity.
     """
     if unit is None or spelling(unit) in ("1", "-") or not is_unit(unit):
         return False

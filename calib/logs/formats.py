@@ -116,8 +116,8 @@ def as_table(
                 raise errors[index]
         return [arrays[index] for index in indices]
 
-    by_name = resampled.rates
-    rates = {i: by_name[trace.name] for i, trace in traces.items() if trace.name in by_name}
+    all_rates = resampled.rates
+    rates = {i: all_rates[trace.name] for i, trace in traces.items() if trace.name in all_rates}
     return ColumnSource(opened.columns, read, opened.notes + resampled.notes, rates)
 
 

@@ -28,8 +28,8 @@ _FEWEST = 4  # fewest samples of a side: a line fits three samples too easily
 INSTANT = 1e-9  # shortest step of a clock [s]: recorders count no finer
 _SMOOTH = 0.01  # largest error of a bridge besides the noise, over the channel's range [1]
 ENDS = 1.0  # longest time [s] at either end of a log for which a channel may have no value
-ONLY = f"only up to {BRIDGE:g} s, and where the channel is smooth around the gap"
-"""Words of messages for the gaps that are bridged."""
+BRIDGED_GAPS = f"only up to {BRIDGE:g} s, and where the channel is smooth around the gap"
+"""Words of messages: which gaps are bridged."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,8 @@ def fill(channel: str, t: Array, x: Array, times: Array) -> Filled:
         if not inside.any():
             continue
         gap = ChannelHole(channel, float(t[i]), float(steps[i]))
-        if gap.length <= BRIDGE * (1.0 + 1e-6) and _is_smooth(t, x, int(i), step, tolerance):
+        is_short = gap.length <= BRIDGE * (1.0 + 1e-6)  # one of exactly `BRIDGE` despite rounding
+        if is_short and _is_smooth(t, x, int(i), step, tolerance):
             bridged.append(gap)
         else:
             left_open.append(gap)
@@ -93,10 +94,9 @@ def fill_rows(
         values[name] = filled.values
         bridged += filled.bridged
         if count := np.count_nonzero(empty & ~np.isnan(filled.values)):
-            notes.append(
-                f"{name}: {count} of {time.size} rows have no value and were interpolated, "
-                f"the first at {time[int(np.argmax(empty))]:.3f} s"
-            )
+            rows = f"{name}: {count} of {time.size} rows have no value"
+            first = f"the first at {time[int(np.argmax(empty))]:.3f} s"
+            notes.append(f"{rows} and were interpolated, {first}")
         notes += in_words(filled)
     return values, notes, bridged
 
@@ -106,7 +106,7 @@ def in_words(filled: Filled) -> list[str]:
     notes = []
     for gaps, result in (
         (filled.bridged, "bridged with a straight line"),
-        (filled.left_open, f"not bridged, which is done {ONLY}"),
+        (filled.left_open, f"not bridged, which is done {BRIDGED_GAPS}"),
     ):
         if longest := max(gaps, key=lambda gap: gap.length, default=None):
             place = f"the longest of {longest.length:.3f} s at {longest.start:.3f} s"
@@ -156,15 +156,13 @@ def _leads_to_origin(t: Array, x: Array, noise: float, tolerance: float) -> bool
     residual = float(np.abs(x - x_mean - slope * (t - t_mean)).max())
     at_origin = x_mean - slope * t_mean
     sigma = noise * float(np.sqrt(1.0 / t.size + t_mean**2 / spread + 0.5))
+    # white noise exceeds 3 sigma once in 370 values; 4 are for the largest of many residuals
     is_straight = residual <= tolerance + 4.0 * noise
     return is_straight and abs(at_origin) <= tolerance + 3.0 * sigma
 
 
 def without_open_ends(channels: dict[str, Array]) -> tuple[dict[str, Array], tuple[str, ...]]:
-    """Cut the rows at both ends in which a channel has no value; return the channels and a note.
-
-    A channel that has no value for more than `ENDS` at an end cuts nothing: its gap stays.
-    """
+    """Cut off gaps up to `ENDS` long at the ends of the log; return the channels and a note."""
     time = channels["time"]
     if not np.isfinite(time).all():
         return channels, ()
@@ -180,10 +178,8 @@ def without_open_ends(channels: dict[str, Array]) -> tuple[dict[str, Array], tup
             begin, end = max(begin, int(first)), min(end, int(last) + 1)
     if not trimmed or begin >= end:
         return channels, ()
-    note = (
-        f"{', '.join(trimmed)}: no value at the start or the end; "
-        f"the first {begin} and the last {time.size - end} rows were left out"
-    )
+    rows = f"the first {begin} and the last {time.size - end} rows"
+    note = f"{', '.join(trimmed)}: no value at the start or the end; {rows} were left out"
     return {name: values[begin:end] for name, values in channels.items()}, (note,)
 
 
@@ -216,7 +212,8 @@ def complete_channels(
                 start = channels["time"][bad[0]] - channels["time"][0]
                 after = f", {start:.3f} s after the start" if np.isfinite(start) else ""
                 expected = "a finite value in every row"
-                do = f"export all channels on one clock, or cut the log: a gap is bridged {ONLY}"
+                bridged = f"a gap is bridged {BRIDGED_GAPS}"
+                do = f"export all channels on one clock, or cut the log: {bridged}"
                 raise LogError(f"{flaw}{after}", where=f"{where}: {name}", expected=expected, do=do)
             notes.append(f"{name} has {flaw}, and was left out")
     return complete, tuple(notes)

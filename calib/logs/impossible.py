@@ -1,7 +1,7 @@
 """Mark impossible samples: a decoder writes zeros or the largest value of a type for "no value".
 
-omega  97.1 97.0 327.7 327.7 96.9 96.8    no tyre turns a wheel so much faster, and back
-omega  97.1 97.0   0.0   0.0 96.9 96.8    no brake stops a wheel for two samples
+omega  97.1 97.0 327.7 327.7 96.9 96.8    no tyre can make a wheel turn so much faster
+omega  97.1 97.0   0.0   0.0 96.9 96.8    no brake can stop a wheel for two samples
           kept  |  marked  |  kept
 
 A channel is cut into parts where the step between two samples is impossible. The longest part is
@@ -28,14 +28,14 @@ from calib.logs.gaps import BRIDGE, ENDS, ChannelHole, fill_rows
 
 
 class _Possible(NamedTuple):
-    """What a channel can do, in its SI unit and per second; see `_largest_changes`."""
+    """Possible values and changes of a channel, used by `_largest_changes`; the unit is SI."""
 
-    rise: float  # fastest rise, in up to `_QUICK` [s]
-    to_zero: float  # fastest change from or to exactly 0, in up to `_QUICK` [s]
-    zero_jump: float  # change from or to 0 that is possible in any step
-    slow_rate: float  # fastest change of the car, which is added in steps longer than `_QUICK`
-    largest: float  # largest value
-    is_short_only: bool = False  # whether a part is marked only if it is short enough for a bridge
+    rise: float  # fastest rise [unit/s], in up to `_QUICK`
+    to_zero: float  # fastest change from or to exactly 0 [unit/s], in up to `_QUICK`
+    zero_jump: float  # change from or to 0 [unit] that is possible in any step
+    slow_rate: float  # fastest change of the car [unit/s], added in steps longer than `_QUICK`
+    largest: float  # largest value [unit]
+    may_stay: bool = False  # whether a part too long for a bridge of `calib.logs.gaps` is kept
 
 
 _POSSIBLE = {
@@ -43,17 +43,18 @@ _POSSIBLE = {
     # A tyre turns a wheel faster with at most mu F_z r/J = 1.2 * 6 kN * 0.32 m/0.9 kg m^2. A wheel
     # that locks falls to 0 in steps; its sensor shows 0 below a least speed, up to 20 rad/s.
     **dict.fromkeys(WHEEL_SPEEDS, _Possible(2500.0, 1500.0, 20.0, 40.0, 400.0)),
-    # a satellite speed stands still under a bridge, then jumps: only its zeros can be judged
+    # a satellite speed stands still in a tunnel, then jumps: only its zeros can be judged
     "v": _Possible(np.inf, 100.0, 6.0, 15.0, 120.0),
-    # the fastest brakes rise by 1000 bar/s; a pressure falls to 0 in steps if the pedal is let go
-    "p_mc": _Possible(np.inf, 2e8, 1e6, np.inf, 4e7, is_short_only=True),
+    # Only the zeros of a pressure are judged: it may change from or to 0 by 10 bar in any step, and
+    # by twice the 1000 bar/s of the fastest brakes. After the pedal is let go it stays at 0.
+    "p_mc": _Possible(np.inf, 2e8, 1e6, np.inf, 4e7, may_stay=True),
     # a bump changes a_x by any step; sensors of cars end below 5 g
     "a_x": _Possible(np.inf, np.inf, np.inf, np.inf, 50.0),
 }
 
 _QUICK = 0.05  # longest step [s] in which a wheel changes its speed, and the car does not
 _NOISE_SIGMAS = 10.0  # a rise by this many standard deviations of the noise is possible [1]
-_JUMP = 2.0  # a rise by this [SI] is possible: one lost pulse of 48 in a turn makes 2 rad/s
+_JUMP = 2.0  # a rise by this [rad/s] is possible: at 97 rad/s, one lost pulse of 48 in a turn
 FEW = 0.02  # largest share of impossible samples [1]; a log with more of them is refused
 
 
@@ -78,8 +79,8 @@ def without_impossible(
     """Replace impossible samples by NaN, or by a bridge where `calib.logs.gaps` allows one.
 
     Return the channels, the marked samples and the bridged gaps. ``channels`` [SI] (n,) stay as
-    they are if the times do not ascend. Raises LogError if more than `FEW` of the samples of a
-    required channel are marked.
+    they are if the times do not ascend. Raises LogError if of a required channel more than one
+    sample, and more than `FEW` of all, are marked, apart from those in the first and last `ENDS`.
     """
     time, values = channels["time"], dict(channels)
     if not is_ascending(time):
@@ -89,10 +90,10 @@ def without_impossible(
         for name, possible in _POSSIBLE.items()
         if name in values
     }
-    if set(WHEEL_SPEEDS) <= masks.keys():  # where all wheels are marked, all zeros are marked
-        all_wheels = np.logical_and.reduce([masks[name] for name in WHEEL_SPEEDS])
-        for name, mask in masks.items():
-            mask |= all_wheels & (values[name] == 0.0)
+    if all(name in masks for name in WHEEL_SPEEDS):
+        # rows without any true wheel speed hold no message: the zeros of other channels go, too
+        is_lost = np.logical_and.reduce([masks[name] for name in WHEEL_SPEEDS])
+        masks = {name: mask | (is_lost & (values[name] == 0.0)) for name, mask in masks.items()}
     marked = []
     for name, mask in masks.items():
         if mask.any():
@@ -138,10 +139,10 @@ def _unreachable(time: Array, x: Array, possible: _Possible) -> Mask:
     edges = np.concatenate([[0], cuts, [x.size]])  # part i holds the samples edges[i]:edges[i + 1]
     longest = int(np.argmax(np.diff(edges)))
     _mark_later(mask, time, x, edges[longest + 1 :], tolerance, possible)
-    # earlier parts are judged in the same way, backwards in time
-    backwards = x.size - edges[longest::-1]
-    _mark_later(mask[::-1], -time[::-1], x[::-1], backwards, tolerance, possible)
-    if possible.is_short_only:
+    # earlier parts are judged in the same way, backwards in time: sample i becomes x.size - 1 - i
+    backward_edges = x.size - edges[: longest + 1][::-1]
+    _mark_later(mask[::-1], -time[::-1], x[::-1], backward_edges, tolerance, possible)
+    if possible.may_stay:
         is_short = np.zeros(x.size, np.bool_)
         for begin, end in pairwise(edges[1:-1]):
             is_short[begin:end] = time[end] - time[begin - 1] <= BRIDGE
@@ -155,16 +156,16 @@ def _mark_later(
     """Set ``mask`` (n,) in the impossible parts after the longest part, which ends at ``edges[0]``.
 
     A part is impossible if it begins at or below zero and the channel cannot fall so fast, or if it
-    begins higher than the channel can rise. Another part that begins lower is kept: in slow
-    messages a wheel begins to slip in one step.
+    begins higher than the channel can rise. A part that is merely lower is kept: if messages are
+    rare, a wheel begins to slip between two of them.
     """
     last = int(edges[0]) - 1  # last sample of the parts that were kept
-    level = x[last]  # from which the channel rises or falls
+    level = x[last]  # value to which a wheel that slips may return: the speed of the car
     for begin, end in pairwise(edges.tolist()):
         rise, to_zero = _largest_changes(time[begin] - time[last], tolerance, possible)
         if (x[begin] <= 0.0 and level > to_zero) or x[begin] > level + rise:
             mask[begin:end] = True
-        else:  # a wheel that slips in this part may return to the speed of the car
+        else:  # a slipping wheel reads low, so the level falls no faster than the car can slow
             slowed = possible.slow_rate * float(time[end - 1] - time[last])
             last, level = end - 1, max(x[end - 1], level - slowed)
 

@@ -35,7 +35,7 @@ class Log:
     """One run."""
 
     name: str
-    source: str
+    source: str  # path of the file, or the car of a simulation
     digest: str  # SHA-256 of the file, or of the content of a simulation
     channels: dict[str, Array]  # [SI] (n,) by canonical name, among them ``time``
     truth: dict[str, Array] = field(default_factory=dict)  # [SI] (n,) of a simulation, for scores

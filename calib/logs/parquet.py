@@ -36,9 +36,10 @@ def open_parquet(data: bytes, where: str, text_format: object = None) -> ColumnS
         raise damaged(where, flaw, "a complete Parquet file") from cause
     try:
         index = json.loads((schema.metadata or {}).get(b"pandas", b"{}"))["index_columns"]
+        has_clock = _MDF_CLOCK in index
     except (ValueError, KeyError, TypeError):
-        index = []
-    columns = tuple(_column(x, x.name == _MDF_CLOCK and _MDF_CLOCK in index) for x in fields)
+        has_clock = False
+    columns = tuple(_column(x, is_clock=has_clock and x.name == _MDF_CLOCK) for x in fields)
     if file.metadata.num_rows == 0:
         raise LogError("a header and no samples", where=where, expected="at least 50 rows")
     groups = (file.metadata.row_group(i) for i in range(file.metadata.num_row_groups))
@@ -50,12 +51,15 @@ def open_parquet(data: bytes, where: str, text_format: object = None) -> ColumnS
         for i in indices:
             _require_numbers(fields[i].type, f"{where}: {columns[i].name}")
         names = [fields[i].name for i in indices]
-        are_ambiguous = len({field.name for field in fields}) < len(fields)
         arrays = []
         try:
-            table = file.read(None if are_ambiguous else names, use_threads=False)
-            for i in indices:
-                column = table.column(i if are_ambiguous else fields[i].name)
+            if len({field.name for field in fields}) == len(fields):
+                table = file.read(names, use_threads=False)
+                chosen = [table.column(name) for name in names]
+            else:  # a name may stand for several columns: read all of them
+                table = file.read(use_threads=False)
+                chosen = [table.column(i) for i in indices]
+            for i, column in zip(indices, chosen, strict=True):
                 if (unit := _clock_unit(column.type)) is not None:
                     arrays.append(_from_first(column, unit, f"{where}: {columns[i].name}"))
                 else:
@@ -67,15 +71,15 @@ def open_parquet(data: bytes, where: str, text_format: object = None) -> ColumnS
     return ColumnSource(columns, read)
 
 
-def _column(field: "pyarrow.Field", is_index: bool) -> Column:
+def _column(field: "pyarrow.Field", is_clock: bool) -> Column:
     metadata = field.metadata or {}
     if _clock_unit(field.type) is not None:
-        name = "time" if is_index else column_from_cell(field.name).name
+        name = "time" if is_clock else column_from_cell(field.name).name
         return Column(name, "s", field.name)
     for key in _UNIT_KEYS:
         if key in metadata:
             return Column(field.name, metadata[key].decode(errors="replace"))
-    return Column("time", "s", _MDF_CLOCK) if is_index else column_from_cell(field.name)
+    return Column("time", "s", _MDF_CLOCK) if is_clock else column_from_cell(field.name)
 
 
 def _clock_unit(kind: "pyarrow.DataType") -> float | None:

@@ -52,26 +52,26 @@ def open_log(
 ) -> Iterator[OpenLog]:
     """Open a log for the time of the context, with the columns of the file.
 
-    Errors name ``path``, and its ending gives the format. ``data`` are the bytes of the log if they
-    were read already, ``file`` is the file that holds them if ``path`` does not. ``channel_map``
-    gives the text format and the DBC. Raises LogError for a file that is no log, or not complete.
+    The ending of ``path`` gives the format, and errors name it. ``data`` are its bytes if they were
+    read already; ``file`` is another file that holds them. ``channel_map`` gives the text format
+    and the DBC. Raises LogError for a file that is no log, or not complete.
     """
-    path, content = Path(path), Path(file or path)
+    path, file = Path(path), Path(file or path)
     ending = ending_of(path)
     if data is None and ending not in RECORDINGS:
-        data = log_bytes(content, path)
+        data = log_bytes(file, path)
     if data is not None:
         head, digest = data[:64], hashlib.sha256(data).hexdigest()
     else:
-        kind = _kind_of(content, path)
-        with errors_as(LogError, path, "a log"), open_bounded(content, kind) as stream:
+        kind = _kind_of(file, path)
+        with errors_as(LogError, path, "a log"), open_bounded(file, kind) as stream:
             head = stream.read(64)
             stream.seek(0)
             digest = hashlib.file_digest(stream, "sha256").hexdigest()
     refuse_other_kind(head, ending, path)
     if ending in RECORDINGS:
         databases = channel_map.databases if channel_map else {}
-        with closing(RECORDINGS[ending](content, databases)) as recording:
+        with closing(RECORDINGS[ending](file, databases)) as recording:
             yield OpenLog(recording, digest)
     else:
         text_format = channel_map.text if channel_map else DETECTED
@@ -104,10 +104,10 @@ def read_log(
     needed, where = tuple(dict.fromkeys(("time", *require))), str(Path(path))
     with open_log(path, channel_map, data=data, file=file) as opened:
         source = opened.source
-        assigned, ignored, unitless = assign(source.columns, channel_map, needed, where)
+        assigned, ignored, unit_notes = assign(source.columns, channel_map, needed, where)
         if isinstance(source, Recording):
             refuse_mapped_time(assigned, channel_map)
-            if len(assigned) == 1:
+            if len(assigned) == 1:  # the clock alone
                 flaw = f"no channel of the log is known; it has {quoted(ignored) or 'no channels'}"
                 expected = f"channels named {', '.join(REQUIRED[1:])}"
                 do = "; ".join([*source.notes, MAP_IT])
@@ -120,7 +120,7 @@ def read_log(
         values, gap_notes = complete_channels(trimmed, needed, where)
         unit = next(item.unit for item in assigned if item.channel == "time")
         check_clock(values["time"], where, unit)
-        read_notes = (*source.notes, *unitless, *resampled.notes)
+        read_notes = (*source.notes, *unit_notes, *resampled.notes)
         return Log(
             stem_of(Path(path)),
             where,
@@ -182,9 +182,8 @@ def refuse_mapped_time(assigned: list[Assigned], channel_map: ChannelMap | None)
     clock = next(item for item in assigned if item.channel == "time")
     if clock.index != 0:
         map_path = channel_map.where if channel_map else None
-        flaw = (
-            f"time is mapped to {clock.mapping.source!r}, but each channel of this log has its own"
-        )
+        source = clock.mapping.source
+        flaw = f"time is mapped to {source!r}, but each channel of this log has its own"
         raise ChannelMapError(flaw, where=map_path, expected="no entry for time")
 
 

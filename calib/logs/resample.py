@@ -20,8 +20,9 @@ from calib.logs.source import ChannelTrace
 
 _FASTEST = 1050.0  # a rate above this [Hz] is used as the clock only if no channel is slower
 _ALIKE = 0.9  # clocks with at least this share of the highest rate [1] count as equally fast
-_UNEVEN = 0.5  # most by which nine of ten steps of an even clock differ from their median [1]
+_UNEVEN = 0.5  # nine of ten steps of an even clock are within this share of their median [1]
 _CUT = 0.5  # longest time [s] that an optional channel may cut off at either end of the log
+_NO_CUT = 0.0005  # longest time [s] that is cut off without a note: clocks count in milliseconds
 
 
 @dataclass(frozen=True)
@@ -52,7 +53,8 @@ def rows_on_one_clock(time: Array, columns: Mapping[str, Array], where: str) -> 
         present = ~np.isnan(x)
         # columns with values in the same rows have one clock, which is named after the first
         clock = clocks.setdefault(present.tobytes(), f"rows of {name}")
-        traces.append(ChannelTrace(clock, time[present], x[present], name in FLAGS, name))
+        is_state = name in FLAGS
+        traces.append(ChannelTrace(clock, time[present], x[present], is_state, name))
     note = "the rows are those of several clocks: each channel was put on one clock"
     resampled = on_one_clock(traces, where)
     return replace(resampled, notes=(note, *resampled.notes))
@@ -82,14 +84,14 @@ def on_one_clock(traces: Sequence[ChannelTrace], where: str) -> Resampled:
     if not traces:
         raise LogError("no channel is known", where=where, do="name channels in a channel map")
     traces, notes = _cleaned(traces, where)
-    full = [trace for trace in traces if trace.time.size > 1]
-    if not full:
+    sampled = [trace for trace in traces if trace.time.size > 1]
+    if not sampled:
         raise LogError("every channel is empty", where=where, expected="samples")
-    channels = [trace for trace in full if trace.name in CHANNELS] or full
+    channels = [trace for trace in sampled if trace.name in CHANNELS] or sampled
     required_names = _required_or_all([trace.name for trace in channels])
     required = [trace for trace in channels if trace.name in required_names]
     low, high, cut_note = _span(channels, required, where)
-    rates = _rates(full)
+    rates = _rates(sampled)
     master = _master(channels, required, rates)
     time = master.time[(master.time >= low) & (master.time <= high)]
     filled = [_at_times(time, trace) for trace in traces]
@@ -97,7 +99,7 @@ def on_one_clock(traces: Sequence[ChannelTrace], where: str) -> Resampled:
     names = {trace.name for trace in channels}
     for trace, item in zip(traces, filled, strict=True):
         notes += in_words(item) if trace.name in names else []
-    on_other_clock = [x for x in full if not np.array_equal(x.time, master.time)]
+    on_other_clock = [x for x in sampled if not np.array_equal(x.time, master.time)]
     return Resampled(
         time,
         values=[item.values for item in filled],
@@ -172,14 +174,14 @@ def _span(
     cutting = [x for x in channels if x.time[0] <= low + _CUT and x.time[-1] >= high - _CUT]
     low = max([low, *(float(x.time[0]) for x in cutting)])
     high = min([high, *(float(x.time[-1]) for x in cutting)])
-    if max(low - first, last - high) <= 0.0005:
+    if max(low - first, last - high) <= _NO_CUT:
         return low, high, []
     cut = f"{low - first:.3f} s at the start and {last - high:.3f} s at the end were cut off"
     return low, high, [f"{cut}: not every channel has values there"]
 
 
 def _is_even(time: Array) -> bool:
-    """Whether nearly all steps are alike, which those of a multiplexed message are not."""
+    """Whether nine of ten steps are alike, which those of a multiplexed message are not."""
     steps = np.diff(time)
     median = float(np.median(steps))
     return bool(np.quantile(np.abs(steps - median), 0.9) <= _UNEVEN * median)

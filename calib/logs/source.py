@@ -87,7 +87,7 @@ class ChannelTrace:
     time: Array  # [s] (n,)
     values: Array  # as written (n,), NaN if invalid
     is_state: bool = False  # a state, such as a gear, keeps its value until the next sample
-    name: str = ""
+    name: str = ""  # of the channel or column; given after the trace was read
 
 
 @dataclass(frozen=True)

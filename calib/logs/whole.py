@@ -6,6 +6,7 @@ column has its canonical name and the unit of the map.
 
 from collections.abc import Collection
 from dataclasses import dataclass, replace
+from itertools import chain, count
 from pathlib import Path
 
 import numpy as np
@@ -68,7 +69,7 @@ def read_whole(path: Path, channel_map: ChannelMap | None = None) -> WholeLog:
         if isinstance(opened.source, Recording):
             refuse_mapped_time(assigned, channel_map)
         source = as_table(opened.source, str(path), by_index)
-    # columns that the map ignores are left out, since they have names of channels
+    # the map ignores columns whose names would make them channels, so they are left out here, too
     ignore = channel_map.ignore if channel_map else ()
     columns, notes = list[WholeColumn](), list[str]()
     names = {item.channel for item in by_index.values()}
@@ -78,13 +79,13 @@ def read_whole(path: Path, channel_map: ChannelMap | None = None) -> WholeLog:
             why = values.problem if isinstance(values, LogError) else "the map ignores it"
             notes.append(f"{column.full_name} was left out: {why}")
             continue
-        name, unit, number = column.name, column.unit, 1
+        name, unit = column.name, column.unit
         if item := by_index.get(index):
             name, unit, values = item.channel, item.unit, item.mapping.in_unit(values)
         else:
-            while name in names:  # try the full name, then the full name with a number
-                name = column.full_name if number == 1 else f"{column.full_name}#{number}"
-                number += 1
+            numbered = (f"{column.full_name}#{number}" for number in count(2))
+            possible = chain((name, column.full_name), numbered)
+            name = next(x for x in possible if x not in names)
         names.add(name)
         columns.append(WholeColumn(name, unit, values, source.rates.get(index)))
     if not columns:

@@ -74,7 +74,7 @@ def _to_csv(log: WholeLog) -> bytes:
 
 
 def _unit(name: str, unit: str | None) -> str | None:
-    """Return the unit to write; in place of None "" if a name alone would be read with a unit."""
+    """Return the unit to write; "" keeps a name such as ``x_bar`` from being read with a unit."""
     if unit:
         return unit
     as_read = column_from_cell(name)
@@ -91,6 +91,7 @@ def _to_parquet(log: WholeLog) -> bytes:
 
 
 def _to_mdf(log: WholeLog) -> bytes:
+    """Make an MDF 4 file. Raises LogError without a time in the log, or without asammdf."""
     asammdf = need("asammdf", "mdf", log.source, LogError)
     signals = [
         asammdf.Signal(column.values, log.time, unit=column.unit or "", name=column.name)
@@ -108,7 +109,4 @@ WRITERS: dict[str, Callable[[WholeLog], bytes]] = {
     ".parquet": _to_parquet,
     ".mf4": _to_mdf,
 }
-"""By file ending: the function that makes the bytes of a file.
-
-`_to_mdf` raises LogError if the log has no time, or if asammdf is not installed.
-"""
+"""By file ending: the function that makes the bytes of a file."""

@@ -11,7 +11,7 @@ from calib.base.names import G
 from calib.base.units import BAR
 from calib.base.warning import bounds_of
 from calib.logs.channel_map import Mapping
-from calib.logs.computed import factor_between, is_other_quantity
+from calib.logs.computed import factor_between, may_be_source
 from calib.run.pressure_delay import pressure_delay
 from calib.suggest.columns import ColumnClock, Search, Series
 from calib.suggest.words import axle_of, has_word, score, wheel_of
@@ -128,7 +128,7 @@ def find_acceleration(search: Search, dv_dt: Array | None, clock: ColumnClock) -
 
 def refuse_computed(search: Search) -> None:
     """Refuse pressures that are a constant times a column of another quantity."""
-    others = [s for s in search.series if is_other_quantity(s.column.unit)]
+    others = [s for s in search.series if may_be_source(s.column.unit)]
     for item in [s for s in search.free() if s.si == "Pa"]:
         for other in others:
             if factor_between(item.values, other.values) is not None:

@@ -13,7 +13,7 @@ from calib.base.units import BAR, from_si, to_si
 from calib.base.warning import bounds_of
 from calib.logs.channel_map import Mapping
 from calib.logs.clock import REPEATED, TIME_UNITS, check_clock, step_of
-from calib.logs.gaps import ONLY
+from calib.logs.gaps import BRIDGED_GAPS
 from calib.logs.resample import rows_on_one_clock
 from calib.run.filters import true_intervals
 from calib.suggest.columns import GIVE_RADIUS, SMOOTH, ColumnClock, Search, Series, rim_mapping
@@ -126,7 +126,7 @@ def resample(search: Search, clock: ColumnClock) -> ColumnClock:
         missing = np.flatnonzero(np.isnan(values))
         if missing.size:
             first = f"{missing.size} of {time.size} rows, first at {time[missing[0]]:.3f} s"
-            search.unused[item.name] = f"no value in {first}; gaps are bridged {ONLY}"
+            search.unused[item.name] = f"no value in {first}; gaps are bridged {BRIDGED_GAPS}"
         else:
             rate = item.rate or 1.0 / step_of(clock.time[~np.isnan(item.values)])
             search.series.append(replace(item, values=values, rate=rate))

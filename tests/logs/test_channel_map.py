@@ -21,9 +21,8 @@ offset = -10.0
 source = "Decel"
 sign = -1
 """
-MAP += "".join(
-    f'[channels.omega_{wheel}]\nsource = "{wheel.upper()}"\n' for wheel in ("fl", "fr", "rl", "rr")
-)
+for wheel in ("fl", "fr", "rl", "rr"):
+    MAP += f'[channels.omega_{wheel}]\nsource = "{wheel.upper()}"\n'
 
 
 @pytest.fixture
@@ -53,7 +52,7 @@ def test_names_units_signs_scale_and_offset(tmp_path, log_file):
     assert log["a_x"][0] == pytest.approx(-0.5 * 9.80665)
     assert log["omega_fl"][0] == pytest.approx(2 * 3.141592653589793)
     assert log.ignored == ("p_mc",)  # hidden by the map
-    origins = {o.channel: o for o in log.origins}
+    origins = {origin.channel: origin for origin in log.origins}
     p = origins["p_mc"]
     assert (p.source, p.unit) == ("Brake pressure", "kPa")
     assert (p.factor, p.offset) == (pytest.approx(2000), pytest.approx(-10e3))

@@ -63,9 +63,9 @@ def test_days_of_a_spreadsheet_are_a_unit(tmp_path):
 
 def test_a_header_may_have_line_breaks_in_quotes(tmp_path):
     path = write(tmp_path, [f"{t:.3f}" for t in RUN.time])
-    head, rest = path.read_text().split("\n", 1)
-    broken = ",".join('"' + cell.replace(" [", "\n[") + '"' for cell in head.split(","))
-    path.write_text(f"{broken}\n{rest}")
+    header, rows = path.read_text().split("\n", 1)
+    broken = ",".join('"' + cell.replace(" [", "\n[") + '"' for cell in header.split(","))
+    path.write_text(f"{broken}\n{rows}")
     assert read_log(path).time.size == RUN.time.size
 
 
@@ -125,16 +125,11 @@ def test_an_optional_channel_of_an_unknown_unit_is_left_out(tmp_path):
     assert any("furlong" in note for note in log.notes)
 
 
-def remaining_rows(size, lost=()):
-    """Numbers of the rows that were not lost."""
-    return np.delete(np.arange(size), lost)
-
-
 @pytest.mark.parametrize("rate", [95.0, 150.0, 256.0, 300.0, 700.0])
 @pytest.mark.parametrize("lost", [(), (300,), range(600, 1000)])
 @pytest.mark.parametrize("written", [np.round, np.floor], ids=["rounded", "cut"])
 def test_whole_milliseconds_are_put_on_their_line(rate, lost, written):
-    true = 3.0 + remaining_rows(2000, lost) / rate
+    true = 3.0 + np.delete(np.arange(2000), lost) / rate
     line, (note,) = on_line(written(1e3 * true) / 1e3)
     assert "in steps of 1 ms" in note
     assert np.median(np.diff(line)) == pytest.approx(1.0 / rate, rel=2e-5)

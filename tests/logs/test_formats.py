@@ -79,8 +79,8 @@ def test_the_samples_are_those_of_the_csv(tmp_path, name):
     log, run = read_log(*write(tmp_path, name)), ramp()
     assert run.time[0] <= log.time[0] < log.time[-1] <= run.time[-1]
     for wheel in ("omega_fl", "omega_fr", "omega_rl", "omega_rr"):
-        known = np.interp(log.time, run.time, run[wheel])
-        np.testing.assert_allclose(log[wheel], known, atol=0.0026)
+        expected = np.interp(log.time, run.time, run[wheel])
+        np.testing.assert_allclose(log[wheel], expected, atol=0.0026)
     even = np.isclose(np.round(log.time * 100) / 100, log.time, atol=1e-6)
     p = np.interp(log.time[even], run.time, run["p_mc"])
     np.testing.assert_allclose(log["p_mc"][even], p, atol=600.0)

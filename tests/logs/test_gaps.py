@@ -18,8 +18,8 @@ TOLERANCE = 1e-9
 
 def fill_gap(x, start, length, times=TIME):
     """Samples ``x`` at `TIME` with a gap from ``start`` [s] for ``length``, filled at ``times``."""
-    kept = (start + TOLERANCE >= TIME) | (start + length - TOLERANCE <= TIME)
-    return fill("v", TIME[kept], x[kept], times)
+    is_present = (start + TOLERANCE >= TIME) | (start + length - TOLERANCE <= TIME)
+    return fill("v", TIME[is_present], x[is_present], times)
 
 
 @pytest.mark.parametrize("length", [0.08, 0.1, 0.2])
@@ -68,8 +68,8 @@ def test_noise_alone_is_no_step():
 def test_too_few_samples_beside_a_gap_show_nothing():
     """Two before it; or at times of a damaged file, where the square of a distance is zero."""
     t = np.concatenate([np.arange(8) * 1e-300, 0.125 + 0.005 * np.arange(60)])
-    at_one_time = fill("v", t, np.arange(68.0), np.arange(0.0, 0.3, 0.005))
-    for filled in (fill_gap(30.0 - 3.0 * TIME, 0.04, 0.1), at_one_time):
+    same_time = fill("v", t, np.arange(68.0), np.arange(0.0, 0.3, 0.005))
+    for filled in (fill_gap(30.0 - 3.0 * TIME, 0.04, 0.1), same_time):
         assert not filled.bridged
         assert filled.left_open
 
@@ -92,11 +92,11 @@ def write_with_gap(folder, kind, channel, start, length):
     from asammdf import MDF, Signal
 
     with MDF(version="4.10") as mdf:
-        for ours, theirs in CHANNELS.items():
-            t, values = times()[theirs], written()[theirs]
-            kept = ~is_lost(t) if ours == channel else t >= 0
-            mdf.append([Signal(values[kept], t[kept], name=theirs, unit=UNITS[theirs])],
-                       acq_name=theirs)  # fmt: skip
+        for ours, name in CHANNELS.items():
+            t, values = times()[name], written()[name]
+            is_present = ~is_lost(t) if ours == channel else t >= 0
+            mdf.append([Signal(values[is_present], t[is_present], name=name, unit=UNITS[name])],
+                       acq_name=name)  # fmt: skip
         mdf.save(path, overwrite=True)
     return path, write_map(folder)
 
@@ -107,8 +107,8 @@ def test_every_format_alike(tmp_path, kind):
     log = read_log(*write_with_gap(tmp_path, kind, "p_mc", 3.0, 0.1))
     (gap,) = log.bridged
     assert (gap.channel, gap.length) == ("p_mc", pytest.approx(0.1, abs=0.011))
-    known = np.interp(log.time, ramp().time, ramp()["p_mc"])
-    assert np.abs(log["p_mc"] - known).max() < 0.03 * np.ptp(known)
+    expected = np.interp(log.time, ramp().time, ramp()["p_mc"])
+    assert np.abs(log["p_mc"] - expected).max() < 0.03 * np.ptp(expected)
     assert to_dict(check(log))["bridged"][0]["channel"] == "p_mc"
     with pytest.raises(LogError, match=r"3\.0\d\d s"):
         read_log(*write_with_gap(tmp_path, kind, "p_mc", 3.0, 0.5))

@@ -16,8 +16,8 @@ OMEGAS = [f"omega_{w}" for w in WHEELS]
 ALL_CHANNELS = ["p_mc", "a_x", "v", *OMEGAS]
 
 
-def spoiled(names, value, first, count, rate=100.0):
-    """A made run with ``value`` in ``count`` rows from ``first`` on; and what was there."""
+def with_error_value(names, value, first, count, rate=100.0):
+    """A made run with ``value`` in ``count`` rows from ``first`` on; and the true channels."""
     log = made_run(ramp(rate=12.0), rate=rate, duration=5.0)
     channels = {name: x.copy() for name, x in log.channels.items()}
     for name in names:
@@ -46,7 +46,7 @@ def test_a_few_are_marked_and_bridged(names, value, rate):
     row, count = round(4.5 * rate), max(round(0.03 * rate), 1)  # at 36 bar, 22 m/s
     if names == ["p_mc"] and value == 0.0 and rate == 40.0:
         pytest.skip("a pedal that is let go may do that in 25 ms")
-    channels, true = spoiled(names, value, row, count, rate)
+    channels, true = with_error_value(names, value, row, count, rate)
     cleaned, marked, _ = without_impossible(channels, "log")
     assert {m.channel: m.count for m in marked} == dict.fromkeys(names, count)
     for name in ALL_CHANNELS:
@@ -59,25 +59,24 @@ def test_a_few_are_marked_and_bridged(names, value, rate):
 
 @pytest.mark.parametrize(("first", "count"), [(0, 1), (0, 26), (499, 1), (480, 20)])
 def test_at_the_ends_they_are_left_open(first, count):
-    channels, _ = spoiled(ALL_CHANNELS, 0.0, first, count)
+    channels, _ = with_error_value(ALL_CHANNELS, 0.0, first, count)
     cleaned, _, _ = without_impossible(channels, "log")
     for name in ALL_CHANNELS:
-        np.testing.assert_array_equal(
-            np.flatnonzero(np.isnan(cleaned[name])), np.arange(first, first + count)
-        )
+        rows = np.flatnonzero(np.isnan(cleaned[name]))
+        assert rows.tolist() == list(range(first, first + count))
 
 
 @pytest.mark.parametrize("rows", [slice(100, 140), slice(250, None), slice(50, None, 20)])
 def test_many_are_refused(rows):
-    channels, _ = spoiled([], 0.0, 0, 0)
+    channels, _ = with_error_value([], 0.0, 0, 0)
     channels["omega_rr"][rows] = 0.0
-    with pytest.raises(LogError) as caught:
+    with pytest.raises(LogError) as error:
         without_impossible(channels, "log")
-    assert str(caught.value.where) == "log: omega_rr"
+    assert str(error.value.where) == "log: omega_rr"
 
 
 def test_a_speed_without_satellites_at_first_is_left_open():
-    channels, _ = spoiled(["v"], 0.0, 0, 200)
+    channels, _ = with_error_value(["v"], 0.0, 0, 200)
     cleaned, _, _ = without_impossible(channels, "log")
     assert np.isnan(cleaned["v"]).sum() == 200
 
@@ -92,7 +91,7 @@ def test_wheels_that_lock_and_spin_up_again_are_possible(rate):
 
 def test_cycles_of_abs_in_slow_messages_are_possible():
     """The wheel loses 40 % within 20 ms, in a log of 200 Hz that holds messages of 50 Hz."""
-    channels, _ = spoiled([], 0.0, 0, 0, rate=200.0)
+    channels, _ = with_error_value([], 0.0, 0, 0, rate=200.0)
     slow = np.where(np.arange(1000) % 40 < 20, 1.0, 0.6)
     channels["omega_fl"][600:] *= slow[600:]
     assert not without_impossible(channels, "log")[1]

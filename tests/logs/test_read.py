@@ -62,9 +62,8 @@ def test_a_file_may_hold_the_log_of_another_name(tmp_path):
 def test_truth_and_foreign_columns_are_kept_apart(tmp_path):
     more = {"true_Tb_fl [kN*m]": "1.5", "true_mu_pad_f [%]": "38", "true_hue [hue]": "3", "x": "a"}
     log = read_log(write(tmp_path, table() | {k: [v] * 60 for k, v in more.items()}))
-    assert {k: v[0] for k, v in log.truth.items()} == pytest.approx(
-        {"true_Tb_fl": 1500, "true_mu_pad_f": 0.38}
-    )
+    expected = pytest.approx({"true_Tb_fl": 1500, "true_mu_pad_f": 0.38})
+    assert {name: values[0] for name, values in log.truth.items()} == expected
     assert not any(name.startswith("true_") for name in log.channels)
     assert log.ignored == ("true_hue", "x")
 

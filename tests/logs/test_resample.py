@@ -31,8 +31,8 @@ def test_a_straight_line_stays_one_on_any_rasters(steps, others, late):
         return
     resampled = on_one_clock([trace("omega_fl", fast), trace("p_mc", slow)], "run")
     for values in resampled.values:
-        there = ~np.isnan(values)
-        np.testing.assert_allclose(values[there], 3.0 * resampled.time[there] + 1.0, atol=1e-9)
+        valid = ~np.isnan(values)
+        np.testing.assert_allclose(values[valid], 3.0 * resampled.time[valid] + 1.0, atol=1e-9)
     if resampled.time.size:
         assert resampled.time[0] >= max(fast[0], slow[0])
         assert resampled.time[-1] <= min(fast[-1], slow[-1])
@@ -42,9 +42,9 @@ def test_the_fastest_raster_is_the_clock_and_keeps_its_samples():
     fast, slow = np.arange(0, 1, 0.005), np.arange(0, 1, 0.01)
     noise = np.random.default_rng(1).normal(size=fast.size)
     resampled = on_one_clock([trace("p_mc", slow), trace("omega_fl", fast, noise)], "run")
-    kept = (fast >= slow[0]) & (fast <= slow[-1])
-    np.testing.assert_array_equal(resampled.time, fast[kept])
-    np.testing.assert_array_equal(resampled.values[1], noise[kept])
+    is_common = (fast >= slow[0]) & (fast <= slow[-1])
+    np.testing.assert_array_equal(resampled.time, fast[is_common])
+    np.testing.assert_array_equal(resampled.values[1], noise[is_common])
     assert "omega_fl (omega_fl, 200 Hz) is the clock" in resampled.notes
     assert "p_mc (p_mc, 100 Hz) interpolated linearly" in resampled.notes
 

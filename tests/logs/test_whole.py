@@ -39,14 +39,14 @@ def columns(log):
 
 
 def test_a_map_names_columns_and_all_others_stay(foreign):
-    path, chart = foreign
-    found = columns(read_whole(path, chart))
-    assert found["v"] == ("km/h", [-3.0, -5.0, -7.0])
-    assert found["Druck"][0] == "kPa"
-    assert np.isnan(found["Druck"][1][2])
-    assert found["Druck#2"] == ("kPa", [1.0, 2.0, 3.0])
-    assert set(found) == {"time", "v", "Druck", "Druck#2"}
-    notes = " ".join(read_whole(path, chart).notes)
+    path, channel_map = foreign
+    values = columns(read_whole(path, channel_map))
+    assert values["v"] == ("km/h", [-3.0, -5.0, -7.0])
+    assert values["Druck"][0] == "kPa"
+    assert np.isnan(values["Druck"][1][2])
+    assert values["Druck#2"] == ("kPa", [1.0, 2.0, 3.0])
+    assert set(values) == {"time", "v", "Druck", "Druck#2"}
+    notes = " ".join(read_whole(path, channel_map).notes)
     assert "p_mc" in notes
     assert "Text" in notes
 
@@ -54,10 +54,10 @@ def test_a_map_names_columns_and_all_others_stay(foreign):
 @pytest.mark.parametrize("name", ["run.mf4", "bus.blf"])
 def test_a_recording_has_the_clock_and_the_values_that_are_read(tmp_path, name):
     if name == "run.mf4":
-        path, chart = write_mdf(tmp_path / name), write_map(tmp_path)
+        path, map_file = write_mdf(tmp_path / name), write_map(tmp_path)
     else:
-        path, chart = write_bus(tmp_path / name, 1.7e9), write_dbc(tmp_path)
-    ours, log = read_whole(path, read_channel_map(chart)), read_log(path, chart)
+        path, map_file = write_bus(tmp_path / name, 1.7e9), write_dbc(tmp_path)
+    ours, log = read_whole(path, read_channel_map(map_file)), read_log(path, map_file)
     for channel, values in log.channels.items():
         np.testing.assert_array_equal(channels_log(ours)[channel], values, err_msg=channel)
     if name == "bus.blf":  # signals that are no channel stay
@@ -69,10 +69,10 @@ def test_a_recording_has_the_clock_and_the_values_that_are_read(tmp_path, name):
 
 
 def test_the_clock_of_a_recording_cannot_be_mapped(tmp_path):
-    chart = write_map(tmp_path)
-    chart.write_text(chart.read_text() + '\n[channels.time]\nsource = "WhlFL"\nunit = "s"\n')
+    map_file = write_map(tmp_path)
+    map_file.write_text(map_file.read_text() + '\n[channels.time]\nsource = "WhlFL"\nunit = "s"\n')
     with pytest.raises(ChannelMapError, match="time"):
-        read_whole(write_mdf(tmp_path / "run.mf4"), read_channel_map(chart))
+        read_whole(write_mdf(tmp_path / "run.mf4"), read_channel_map(map_file))
 
 
 def test_a_cut_keeps_the_rows_between_both_times():

@@ -29,13 +29,13 @@ def test_a_log_is_the_same_to_the_decimals_of_its_format(tmp_path, write):
         header = path.read_text().splitlines()[0]
         assert header.startswith("time [s],p_mc [bar],a_x [m/s^2],omega_fl [rad/s]")
         assert header.endswith("true_Tb_fl [N*m],true_mu_pad_r [1]")
-    back = read_log(path)
-    assert list(back.channels) == list(LOG.channels)
+    copy = read_log(path)
+    assert list(copy.channels) == list(LOG.channels)
     for name, values in {**LOG.channels, **LOG.truth}.items():
         step = 0.1 if CHANNELS.get(name) and CHANNELS[name].unit == "bar" else 1e-6
         tolerance = 0.5001 * step if path.suffix == ".csv" else 1e-9
-        found = {**back.channels, **back.truth}[name]
-        np.testing.assert_allclose(found, values, rtol=1e-15, atol=tolerance)
+        values_read = {**copy.channels, **copy.truth}[name]
+        np.testing.assert_allclose(values_read, values, rtol=1e-15, atol=tolerance)
 
 
 UNITS = (None, "bar", "kPa", "m/s^2", "°", "N*m", "columns up", "1")
@@ -74,21 +74,20 @@ def bits(values):
 def test_a_table_is_read_back_to_the_last_bit(tmp_path_factory, ending, log):
     path = tmp_path_factory.mktemp("written") / f"run{ending}"
     write_log(log, path)
-    back = read_whole(path)
-    assert [(c.name, c.unit or None) for c in back.columns] == [
-        (c.name, c.unit) for c in log.columns
-    ]
-    for ours, theirs in zip(log.columns, back.columns, strict=True):
+    copy = read_whole(path)
+    header = [(c.name, c.unit) for c in log.columns]
+    assert [(c.name, c.unit or None) for c in copy.columns] == header
+    for ours, theirs in zip(log.columns, copy.columns, strict=True):
         assert bits(ours.values) == bits(theirs.values)
 
 
 def test_every_format_is_the_same_log_in_si(tmp_path):
-    chart = read_channel_map(write_map(tmp_path))
+    channel_map = read_channel_map(write_map(tmp_path))
     source = write_mdf(tmp_path / "bench.mf4")
-    ref, whole = read_log(source, chart), read_whole(source, chart)
+    reference, whole = read_log(source, channel_map), read_whole(source, channel_map)
     for ending in list(WRITERS):
         write_log(whole, tmp_path / f"out{ending}")
-        back = read_log(tmp_path / f"out{ending}")  # no map is needed any more
-        assert list(back.channels) == list(ref.channels)
-        for name, values in ref.channels.items():
-            np.testing.assert_array_equal(back[name], values, err_msg=f"{ending} {name}")
+        copy = read_log(tmp_path / f"out{ending}")  # no map is needed any more
+        assert list(copy.channels) == list(reference.channels)
+        for name, values in reference.channels.items():
+            np.testing.assert_array_equal(copy[name], values, err_msg=f"{ending} {name}")

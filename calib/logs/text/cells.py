@@ -10,7 +10,8 @@ name_unit      if the name is that of a channel and the ending a unit of it; or 
 Cells that are read as times; a date is left out:
 14:03:07,120    2026-03-14T14:03:07.120+01:00    14-Mar-2026 2:03:07.120 PM    03:07.120    0.12 sec
 
-A clock that goes back has passed midnight, since a run is shorter than half a day.
+A clock that goes back by more than half a day has passed midnight. A clock without hours, also a
+number with a unit, has passed the full hour if it goes back by more than half an hour.
 """
 
 import re
@@ -29,7 +30,7 @@ EMPTY = ("", "nan", "NaN", "NAN", "NA", "N/A", "null")  # cells without a value
 
 
 def column_from_cell(cell: str) -> Column:
-    """Split a header cell into name and unit; the whole cell is the full name."""
+    """Split a header cell into name and unit; a cell of another form is also the full name."""
     cell = cell.strip()
     parts = _split_brackets(cell, "[", "]")
     if parts is None and "|" in cell:
@@ -44,7 +45,8 @@ def column_from_cell(cell: str) -> Column:
     if parts is None:
         return Column(cell, None)
     name, unit = parts
-    return Column(name, unit.strip(), "" if cell == f"{name} [{unit}]" else cell)
+    has_usual_form = cell == f"{name} [{unit}]"  # which `Column.addresses` has in any case
+    return Column(name, unit.strip(), "" if has_usual_form else cell)
 
 
 def _split_brackets(cell: str, opening: str, closing: str) -> tuple[str, str] | None:
@@ -140,10 +142,7 @@ def _seconds(cell: str) -> tuple[float, float] | None:
 
 
 def clock_seconds(cells: Sequence[str | None], where: str) -> Array:
-    """Read times as seconds since the first row (n,), NaN for a cell in `EMPTY`.
-
-    Raises LogError for a cell that is no time, and for a clock that is too coarse.
-    """
+    """Read times [s] since the first row (n,), NaN if `EMPTY`. Raises LogError for other cells."""
     values, period = np.full(len(cells), np.nan), HOUR
     for row, cell in enumerate(cells):
         text = (cell or "").strip()

@@ -117,14 +117,11 @@ class TextRows:
         return None if has_line_end else "no end of line after the last row, which looks complete"
 
     def _is_shorter(self, cell: str, earlier: list[str]) -> bool:
-        """Whether the last cell of a file is shorter than all ``earlier`` cells of its column.
-
-        Decimals are compared if all earlier cells have equally many, or else characters.
-        """
+        """Whether the last cell of a file is shorter than all ``earlier`` cells of its column."""
         if not earlier:
             return False
         decimals = [len(text.partition(self.decimal)[2]) for text in earlier]
-        if len(set(decimals)) == 1:
+        if len(set(decimals)) == 1:  # all have equally many, so that decimals are compared
             return len(cell.partition(self.decimal)[2]) < decimals[0]
         return len(cell) < min(map(len, earlier))
 

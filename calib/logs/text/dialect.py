@@ -67,14 +67,17 @@ _LINES, _BYTES = 8, 16384  # most lines and bytes that are read at each place of
 
 def sample_of(data: bytes, start: int) -> list[str]:
     """Return lines from ``start``, the middle and the end; some twice if the file is short."""
-    places = []
-    for begin in (start, (start + len(data)) // 2):
-        end = begin + _BYTES
-        end = len(data) if end >= len(data) else data.rfind(b"\n", begin, end) + 1
-        places.append(data[begin:end].splitlines())
-    head, middle = places[0][:_LINES], places[1][1 : _LINES + 1]  # the first may lack its begin
+    head = _lines_from(data, start)[:_LINES]
+    # the first line from the middle may lack its beginning
+    middle = _lines_from(data, (start + len(data)) // 2)[1 : _LINES + 1]
     tail = data[max(start, len(data) - _BYTES) :].rstrip(b"\r\n").splitlines()[-_LINES:]
     return [line.decode(errors="replace") for line in (*head, *middle, *tail) if line.strip()]
+
+
+def _lines_from(data: bytes, begin: int) -> list[bytes]:
+    end = begin + _BYTES
+    end = len(data) if end >= len(data) else data.rfind(b"\n", begin, end) + 1
+    return data[begin:end].splitlines()
 
 
 def mostly(is_kind: Callable[[str], bool], column: Sequence[str]) -> bool:
@@ -124,10 +127,7 @@ class Layout:
 
 
 def layout_of(data: bytes, begin: int, text_format: TextFormat, where: str) -> Layout:
-    """Find the layout of the table that begins at byte ``begin`` or after it.
-
-    Raises LogError if no separator fits, or if two give a table that begins in the same row.
-    """
+    """Find the layout of the table from byte ``begin`` on. Raises LogError unless one fits."""
     lines, starts = _lines(data, begin)
     sample = sample_of(data, starts[0])
     separators = [text_format.separator] if text_format.separator else list(SEPARATORS)
@@ -143,8 +143,9 @@ def layout_of(data: bytes, begin: int, text_format: TextFormat, where: str) -> L
         do = f'give it in a channel map (--map): [text] with separator = "{best.separator}"'
         raise LogError(flaw, where=where, expected="one separator that fits", do=do)
     below_names = [line.decode("latin-1") for line in lines if line.strip()][1:]
-    splits = [cells_of(line, s) for line in below_names[:1] for s in separators]
-    if not below_names or (len(below_names) == 1 and any(map(is_unit_row, splits))):
+    if len(below_names) == 1 and any(is_unit_row(cells_of(below_names[0], s)) for s in separators):
+        below_names = []  # a row of units is no sample
+    if not below_names:
         raise LogError("a header and no samples", where=where, expected="at least 50 rows")
     flaw = "no header with rows of numbers below it"
     expected = "a header, and rows of as many numbers, separated by comma, semicolon, tab or bar"
@@ -188,7 +189,7 @@ def _layout(
     if len(numbers) < 2:
         return None
     table = list[list[str]]()
-    samples = list[int]()  # indices of the rows with numbers at the end of ``table``
+    samples = list[int]()  # indices of the samples read so far that no other row follows
     for index, line in enumerate(lines):
         row = cells_of(line.decode("latin-1"), separator) if line.strip() else []
         table.append(row)
@@ -197,8 +198,8 @@ def _layout(
         if len(samples) == _FIRST_ROWS:
             break
     first = samples[0] if samples else len(table)
-    # if each row ends with a separator, the last column is empty, and the header may lack it
-    ends_with_separator = sum(map(bool, columns[-1])) <= 1  # one cell: that of the header
+    # if each row ends with a separator, the last column has no cell but perhaps that of the header
+    ends_with_separator = sum(map(bool, columns[-1])) <= 1
     header = _header(table, first, (width, width - 1) if ends_with_separator else (width,))
     if not header:
         return None
@@ -214,8 +215,9 @@ def _layout(
 
 def _is_sample(row: Sequence[str], width: int, numbers: Sequence[int]) -> bool:
     """Whether a row has a number in one of the columns ``numbers``, and is no row of units."""
-    cells = [row[i] for i in numbers if row[i] not in EMPTY] if len(row) == width else []
-    return any(map(_is_number, cells)) and not is_unit_row(row)
+    if len(row) != width or is_unit_row(row):
+        return False
+    return any(_is_number(row[i]) for i in numbers if row[i] not in EMPTY)
 
 
 def _header(table: Sequence[Sequence[str]], first: int, widths: Collection[int]) -> list[int]:

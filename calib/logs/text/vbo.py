@@ -110,14 +110,14 @@ def _units(lines: list[str], names: Sequence[str]) -> tuple[dict[int, str], list
     a unit in the name, or to the last channels. The first of these choices is taken whose units
     agree with those in the names.
     """
-    standard = tuple(f"{name} " for name in _STANDARD)  # a unit may follow the blank
+    standard = tuple(f"{name} " for name in _STANDARD)  # what follows the blank may be a unit
     channels = [i for i, name in enumerate(names) if not f"{name.lower()} ".startswith(standard)]
     without_unit = [i for i in channels if _unit_in_name(names[i]) is None]
-    count = len(lines)
+    count = len(lines)  # of lines up to the last that is not blank
     while count and not lines[count - 1]:
-        count -= 1  # a blank line ends the section, or belongs to a channel without a unit
+        count -= 1
     choices = []
-    if count <= len(channels) <= len(lines):
+    if count <= len(channels) <= len(lines):  # blank lines belong to channels without a unit
         choices.append(channels)
     if count == len(without_unit):
         choices.append(without_unit)
@@ -127,6 +127,7 @@ def _units(lines: list[str], names: Sequence[str]) -> tuple[dict[int, str], list
     for indices in choices:
         pairs = zip(indices, lines, strict=False)
         units = {i: unit for i, unit in pairs if unit.lower() not in ("", "(null)")}
+        # a name without a unit agrees with any
         in_names = {i: _unit_in_name(names[i]) or unit for i, unit in units.items()}
         if all(spelling(in_names[i]) == spelling(unit) for i, unit in units.items()):
             if indices in (channels, without_unit):

@@ -24,9 +24,7 @@ FACTORS = {"p_mc": 1e-5, "v": 3.6}
 
 LOG = made_run()
 ROWS = 80
-NAMES = [
-    n for n in LOG.channels if n in (*UNITS, *(f"omega_{w}" for w in ("fl", "fr", "rl", "rr")))
-]
+NAMES = [name for name in LOG.channels if name in UNITS or name.startswith("omega_")]
 TABLE = np.column_stack([np.round(LOG[n][:ROWS] * FACTORS.get(n, 1.0), 4) for n in NAMES])
 
 
@@ -95,12 +93,12 @@ def test_any_numbers_read_right_or_are_asked_for(rows, separator, decimal):
     lines = [separator.join(cell(x, separator, decimal) for x in row) for row in rows]
     data = (separator.join(["a [s]", "b [1]", "c [1]"]) + "\n" + "\n".join(lines) + "\n").encode()
     try:
-        got = open_csv(data, "run.csv").read(range(3))
+        columns = open_csv(data, "run.csv").read(range(3))
     except LogError as error:
         if "--map" not in str(error):
             raise
-        got = open_csv(data, "run.csv", TextFormat(separator, decimal)).read(range(3))
-    np.testing.assert_allclose(np.transpose(got), np.array(rows, float), rtol=1e-15)
+        columns = open_csv(data, "run.csv", TextFormat(separator, decimal)).read(range(3))
+    np.testing.assert_allclose(np.transpose(columns), np.array(rows, float), rtol=1e-15)
 
 
 def cell(number, separator, decimal):

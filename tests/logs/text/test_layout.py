@@ -36,8 +36,8 @@ HEADERS = {
 def test_the_header_is_what_stands_over_the_numbers(above, header, row_end):
     text = ABOVE[above] + HEADERS[header] + ROWS.replace("\n", f"{row_end}\n")
     source = open_csv(text.encode(), "run.csv")
-    found = [(c.name, c.unit) for c in source.columns[:3]]
-    assert found == [("Time", "s"), ("Brake", "bar"), ("v", "km/h")]
+    names_and_units = [(c.name, c.unit) for c in source.columns[:3]]
+    assert names_and_units == [("Time", "s"), ("Brake", "bar"), ("v", "km/h")]
     time, brake, _ = source.read(range(3))
     np.testing.assert_allclose(time, np.arange(60) / 100)
     np.testing.assert_allclose(brake, np.arange(60) / 10)
@@ -48,13 +48,10 @@ def test_what_tells_columns_of_one_name_apart():
     below = open_csv(("time,v,v\ns,m/s,m/s\n,gps,calc\n" + ROWS).encode(), "run.csv").columns
     assert [column.full for column in below[1:]] == ["v gps", "v calc"]
     units = (Column("v", "m/s"), Column("v", "km/h"))
-    for columns, cell, index in (
-        (below, "v calc", 2),
-        (units, "v [m/s]", 0),
-        (units, "v [km/h]", 1),
-    ):
-        taken, _, _ = assign(columns, ChannelMap("map", {"v": Mapping(cell)}), ("v",), "run.csv")
-        assert next(item.index for item in taken if item.channel == "v") == index
+    cases = ((below, "v calc", 2), (units, "v [m/s]", 0), (units, "v [km/h]", 1))
+    for columns, cell, index in cases:
+        assigned, _, _ = assign(columns, ChannelMap("map", {"v": Mapping(cell)}), ("v",), "run.csv")
+        assert next(item.index for item in assigned if item.channel == "v") == index
     with pytest.raises(LogError):
         assign(units, ChannelMap("map", {"v": Mapping("v")}), ("v",), "run.csv")
 
