@@ -7,7 +7,7 @@ its sign. The pressure rises and falls with the deceleration.
 import numpy as np
 
 from calib.base.arrays import Array
-from calib.base.names import G
+from calib.base.names import CHANNELS, G
 from calib.base.units import BAR
 from calib.base.warning import bounds_of
 from calib.logs.channel_map import Mapping
@@ -17,9 +17,7 @@ from calib.suggest.columns import ColumnClock, Search, Series
 from calib.suggest.words import axle_of, has_word, score, wheel_of
 
 _CORRELATED = 0.8  # lowest correlation [1]: a_x with dv/dt, a pressure with the deceleration
-_CORRELATED_WITH_WHEELS = (
-    0.98  # lowest correlation [1] of the speed of the car with that of its wheels
-)
+_CORRELATED_SPEEDS = 0.98  # lowest correlation [1] of the speeds of the car and of its wheels
 _LAG = 0.5  # longest lag that is tried [s]: a brake builds up in 0.1 to 0.2 s
 _PRESSED = 2e5  # smallest range of a brake pressure [Pa] in a log with braking
 _SLOPES = (0.4, 2.5)
@@ -32,15 +30,16 @@ def _score(name: str, channel: str) -> int:
     if name == channel:
         return _CANONICAL
     if channel == "p_mc":
-        return score(name, "brake") + max(0, 2 * score(name, "master"))
+        # a name of the master cylinder counts twice, and one without it takes nothing away
+        return score(name, "brake") + 2 * max(0, score(name, "master"))
     return score(name, "speed" if channel == "v" else "longitudinal")
 
 
 def _choose(search: Search, channel: str, passed: list[Series], several: str) -> Series | None:
     """Choose among the columns that passed the tests of a channel; refuse the others.
 
-    The column that has the name of the channel is chosen, or else that with the best score. A
-    column with less than half the sample rate of another, whose name fits, is not chosen. If
+    The column that has the name of the channel is chosen, or else the column with the best score. A
+    column is too slow if a measured one, whose name fits, has more than twice its sample rate. If
     several are equally good, the user is asked with the reason ``several``.
     """
     scores = {s.name: _score(s.name, channel) for s in passed}
@@ -64,14 +63,15 @@ def _choose(search: Search, channel: str, passed: list[Series], several: str) ->
 
 def find_speed(search: Search, wheels: Array | None) -> Array | None:
     """Find v by name and unit, and by its agreement with ``wheels`` (n,); return it [m/s]."""
-    changing = wheels if wheels is not None and np.ptp(wheels) else None
+    if wheels is not None and np.ptp(wheels) == 0.0:
+        wheels = None  # a constant speed correlates with nothing
     passed = []
     for item in search.free():
         if item.si != "m/s" or wheel_of(item.name):
             continue
         if _score(item.name, "v") < 1:
             search.refuse(item, "a speed, but not of the car, by its name")
-        elif changing is not None and _correlation(item.values, changing) < _CORRELATED_WITH_WHEELS:
+        elif wheels is not None and _correlation(item.values, wheels) < _CORRELATED_SPEEDS:
             search.refuse(item, "a speed that does not agree with the wheels")
         else:
             passed.append(item)
@@ -81,9 +81,9 @@ def find_speed(search: Search, wheels: Array | None) -> Array | None:
     if chosen is None:
         return None
     reasons = ["name", f"unit {chosen.column.unit}"]
-    if changing is not None:
+    if wheels is not None:
         reasons.append("agrees with the wheels")
-    search.propose("v", Mapping(chosen.name), changing is not None, *reasons)
+    search.propose("v", Mapping(chosen.name), wheels is not None, *reasons)
     return chosen.values
 
 
@@ -182,13 +182,11 @@ def _reason_against_pressure(
         return f"a pressure of {highest / BAR:.0f} bar is too high for a brake"
     if braking is None or np.ptp(item.values) == 0.0:
         return None if name_score > 0 else "a pressure, not known to be of the brake"
-    everywhere = np.ones(braking.size, bool)
-    delay = pressure_delay(clock.time, braking / G, [item.values], [], everywhere)
+    all_rows = np.ones(braking.size, bool)
+    delay = pressure_delay(clock.time, braking / G, [item.values], drives=[], use=all_rows)
     if delay and abs(delay.nearest_to_zero) > bounds_of("pressure_late")[1]:
-        return (
-            f"a pressure that is {delay.words} against the deceleration: take it with --take, "
-            f"and put it in time with {delay.entry}"
-        )
+        do = f"take it with --take, and put it in time with {delay.entry}"
+        return f"a pressure that is {delay.words} against the deceleration: {do}"
     agreement = _best_correlation(item.values, braking, clock)
     if agreement < _CORRELATED:
         return f"a pressure that does not agree with the deceleration (correlation {agreement:.2f})"
@@ -214,25 +212,28 @@ def _best_correlation(x: Array, dv_dt: Array, clock: ColumnClock) -> float:
     return max(correlations, key=abs)
 
 
-_BY_NAME: dict[str, tuple[str, str | None, tuple[str, ...]]] = {
-    "steering": ("rad", None, ("steering",)),
-    "abs_active": ("1", None, ("abs",)),
-    "T_disc_f": ("degC", "f", ("disc",)),
-    "T_disc_r": ("degC", "r", ("disc",)),
-    "T_drive_f": ("N*m", "f", ("torque", "drive")),
-    "T_drive_r": ("N*m", "r", ("torque", "drive")),
+_BY_NAME = {
+    "steering": ["steering"],
+    "abs_active": ["abs"],
+    "T_disc_f": ["disc"],
+    "T_disc_r": ["disc"],
+    "T_drive_f": ["torque", "drive"],
+    "T_drive_r": ["torque", "drive"],
 }
-"""SI unit, axle and words of the channels that have no physical test."""
+"""Channels that have no physical test, with the quantities that the name of a column must fit."""
 
 
 def find_by_name(search: Search) -> None:
-    """Find the channels of `_BY_NAME`."""
-    for channel, (si, axle, quantities) in _BY_NAME.items():
+    """Find the channels of `_BY_NAME` by the unit of the column, and its axle and quantities."""
+    for channel, quantities in _BY_NAME.items():
         free = search.free()
-        on_axle = [s for s in free if s.si == si and axle in (None, axle_of(s.name))]
-        fitting = [s for s in free if s.name == channel] or [
-            s for s in on_axle if all(score(s.name, quantity) > 0 for quantity in quantities)
-        ]
+        fitting = [s for s in free if s.name == channel]
+        if not fitting:
+            fitting = [s for s in free if s.si == CHANNELS[channel].si]
+            if channel.startswith("T_"):
+                fitting = [s for s in fitting if axle_of(s.name) == channel[-1]]
+            for quantity in quantities:
+                fitting = [s for s in fitting if score(s.name, quantity) > 0]
         if len(fitting) > 1:
             do = f"choose one: --take {channel}=NAME; or none: --take {channel}="
             names = [s.name for s in fitting]

@@ -32,13 +32,8 @@ def find_clock(search: Search) -> None:
     if "time" not in search.user_specified:
         _propose_clock(search)
     elif (time := search.values_of_user("time")) is not None:
-        time = time[_is_later(time)]
-        search.clock = ColumnClock(time, step_of(time))
+        _set_clock(search, time[_is_later(time)] if _runs(time) else time, [])
     if search.clock is None:
-        return
-    if _doubt_clock(search, search.clock.time, []):
-        search.proposals.pop("time", None)
-        search.clock = None
         return
     source = search.proposals["time"].mapping.source
     # rows that repeat a time are left out
@@ -49,35 +44,38 @@ def find_clock(search: Search) -> None:
 
 def _propose_clock(search: Search) -> None:
     possible = [s for s in (*search.free(), *search.gapped) if s.si in ("s", None)]
-    running = [s for s in possible if _runs(s.values)]
     named = [s for s in possible if has_word(s.name, "time")]
-    fitting = [s for s in running if has_word(s.name, "time")]
-    fitting = [s for s in fitting if s.name == "time"] or fitting
+    fitting = [s for s in named if _runs(s.values)]
+    canonical = [s for s in fitting if s.name == "time"]
     unread = [(name, why) for name, why in search.unused.items() if has_word(name, "time")]
-    if len(fitting) > 1:
+    if canonical or len(fitting) == 1:
+        _take_clock(search, (canonical or fitting)[0])
+    elif fitting:
         names, why = [s.name for s in fitting], "more than one column is a time"
         search.doubt("time", names, why, "choose one: --take time=NAME")
-    elif fitting:
-        _take_clock(search, fitting[0])
-    elif named:
-        _doubt_clock(search, named[0].values, [named[0].name])
+    elif named:  # the doubt says why it is no clock
+        _set_clock(search, named[0].values, [named[0].name])
     elif unread:
         name, why = unread[0]
         search.doubt("time", [name], why, "export the log again, with a time for each row")
     else:
-        names = [s.name for s in running if s.si == "s"] or [s.name for s in running]
+        running = [s for s in possible if _runs(s.values)]
+        in_seconds = [s for s in running if s.si == "s"]
+        names = [s.name for s in in_seconds or running]
         do = "choose one and give its unit: --take 'time=NAME [s]'"
         search.doubt("time", names, "no column is named a time", do)
 
 
-def _doubt_clock(search: Search, time: Array, names: list[str]) -> bool:
-    """Ask about a ``time`` [s] (n,) that is no clock of a log; return whether that is so."""
+def _set_clock(search: Search, time: Array, names: list[str]) -> None:
+    """Set the clock to a ``time`` [s] (n,), or ask about it if it cannot be that of a log."""
     try:
         check_clock(time, "time", "s")
     except LogError as error:
+        search.proposals.pop("time", None)
+        search.user_specified.pop("time", None)  # the user is asked again
         search.doubt("time", names, error.problem, error.do or "record the log again")
-        return True
-    return False
+    else:
+        search.clock = ColumnClock(time, step_of(time))
 
 
 def _is_later(time: Array) -> Mask:
@@ -94,26 +92,29 @@ def _runs(values: Array) -> bool:
 
 def _take_clock(search: Search, item: Series) -> None:
     """Take a column as the time in its own unit, or else in the first with a possible rate."""
-    time, unit, order = item.values[_is_later(item.values)], item.column.unit, "increasing"
+    time, unit = item.values[_is_later(item.values)], item.column.unit
+    order = "increasing"  # a reason for the proposal
     if repeated := item.values.size - time.size:
         rows = counted(repeated, "repeated time")
         order += f", but with {rows}: the log is refused until these rows are deleted"
     low, high = bounds_of("clock_rate")
     has_unit = item.si == "s"
     written = from_si(time, str(unit), "s") if has_unit else time
-    for tried in (str(unit), *TIME_UNITS) if has_unit else TIME_UNITS:
-        time = to_si(written, tried, "s")
-        step = step_of(time)
-        if not low <= 1.0 / step <= high:
+    own_unit = [str(unit)] if has_unit else []
+    for candidate in (*own_unit, *TIME_UNITS):
+        time = to_si(written, candidate, "s")
+        if not low <= 1.0 / step_of(time) <= high:
             continue
-        is_own = has_unit and tried == unit
-        header = f", and its header says {unit}" if unit else ""
-        only = f"only {tried} gives a rate of 40 Hz to 1 kHz{header}"
-        reasons = ("name", f"unit {unit}", order) if is_own else ("name", order, only)
-        search.propose("time", Mapping(item.name, None if is_own else tried), is_own, *reasons)
-        search.clock = ColumnClock(time, step)
+        if candidate in own_unit:
+            search.propose("time", Mapping(item.name), True, "name", f"unit {unit}", order)
+        else:
+            header = f", and its header says {unit}" if unit else ""
+            only = f"only {candidate} gives a rate of 40 Hz to 1 kHz{header}"
+            search.propose("time", Mapping(item.name, candidate), False, "name", order, only)
+        _set_clock(search, time, [])
         return
-    why = f"{f'unit {unit}' if unit else 'no unit'}, and steps of {step_of(written):.4g}"
+    header = f"unit {unit}" if unit else "no unit"
+    why = f"{header}, and steps of {step_of(written):.4g}"
     search.doubt("time", [item.name], why, "give the unit: --take 'time=NAME [s]'")
 
 
@@ -121,7 +122,7 @@ def resample(search: Search, clock: ColumnClock) -> ColumnClock:
     """Put all columns on one clock and return it; leave out columns with long gaps."""
     columns = (*search.series, *search.gapped)
     resampled = rows_on_one_clock(clock.time, {s.name: s.values for s in columns}, "the log")
-    time, search.series = resampled.time, []
+    time, search.series, search.gapped = resampled.time, [], []
     for item, values in zip(columns, resampled.values, strict=True):
         missing = np.flatnonzero(np.isnan(values))
         if missing.size:
@@ -170,7 +171,9 @@ def find_wheels(search: Search) -> tuple[Array | None, bool]:
     if len(likeliest) != 1:
         of_user = [search.values_of_user(channel) for channel in WHEEL_SPEEDS]
         speeds = [x for x in of_user if x is not None]
-        return (np.mean(speeds, axis=0) if len(speeds) == 4 else None), True
+        if len(speeds) < len(WHEEL_SPEEDS):
+            return None, True
+        return np.mean(speeds, axis=0), True
     wheels = [likeliest[0][wheel] for wheel in WHEELS]
     mean = np.mean([_sign(item) * item.values for item in wheels], axis=0)
     unit, si = wheels[0].column.unit, wheels[0].si
@@ -199,7 +202,7 @@ def _agreeing_fours(search: Search) -> list[dict[str, Series]]:
     for four in _fours(search, ("rad/s", "m/s", None)):
         if _are_of_one_car([_sign(four[w]) * four[w].values for w in WHEELS]):
             agreeing.append(four)
-        elif four["fl"].si is not None:
+        elif four["fl"].si is not None:  # without a unit they may be no speeds at all
             for item in four.values():
                 search.refuse(item, "it does not agree with the other three wheels")
     return agreeing
@@ -232,7 +235,7 @@ def _sign(item: Series) -> int:
 
 
 def _doubt_wheels(search: Search, names: list[str], why: str, do: str) -> None:
-    if not set(WHEEL_SPEEDS) & set(search.user_specified):
+    if not any(channel in search.user_specified for channel in WHEEL_SPEEDS):
         search.doubt(ALL_WHEEL_SPEEDS, names, why, do)
 
 

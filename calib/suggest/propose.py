@@ -1,35 +1,20 @@
 """Propose a channel map for a foreign log by names, units and physics, and try it on the log."""
 
 import os
-from collections.abc import Iterable, Iterator
-from collections.abc import Mapping as Named
+from collections import abc
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
-from calib.base.errors import BrakeCalError, InputError, one_line
+from calib.base.errors import BrakeCalError, one_line
 from calib.base.names import CHANNELS, WHEEL_SPEEDS
-from calib.base.plain import counted, quoted
-from calib.base.units import is_unit
-from calib.logs.channel_map import ChannelMap, Mapping, assigned_column
+from calib.logs.channel_map import ChannelMap, Mapping
 from calib.logs.read import REQUIRED, read_log
-from calib.logs.source import ColumnSource, address_of, indices_of
-from calib.logs.text.cells import column_from_cell
+from calib.logs.source import ColumnSource
 from calib.logs.text.dialect import DETECTED
 from calib.run.driving_record import NOMINAL_RADIUS
 from calib.suggest import body, clock_and_wheels
-from calib.suggest.columns import (
-    GIVE_RADIUS,
-    LIKELY,
-    SURE,
-    ColumnClock,
-    Doubt,
-    Proposal,
-    Radii,
-    Search,
-    read_series,
-    rim_mapping,
-)
+from calib.suggest.columns import LIKELY, ColumnClock, Doubt, Proposal, Radii, Search, start_search
 
 _UNKNOWN = "not a known channel"
 _NO_CLOCK = "not looked for, since the time is not known"
@@ -51,7 +36,7 @@ def suggest(
     source: ColumnSource,
     where: str,
     *,
-    user_specified: Named[str, str] | None = None,
+    user_specified: abc.Mapping[str, str] | None = None,
     radii: Radii | None = None,
 ) -> Suggestion:
     """Propose a channel map for the opened log with the path ``where``.
@@ -60,10 +45,7 @@ def suggest(
     With the ``radii`` [m] of front and rear wheels, speeds at the rim become wheel speeds. Raises
     InputError for a channel or column in ``user_specified`` that does not exist.
     """
-    search = Search(*read_series(source), dict(user_specified or {}), radii)
-    for channel, cell in search.user_specified.items():
-        if proposal := _proposal_of_user(channel, cell, source, where, radii):
-            search.proposals[channel] = proposal
+    search = start_search(source, where, user_specified or {}, radii)
     clock_and_wheels.find_clock(search)
     if search.clock is None:
         for item in (*search.series, *search.gapped):
@@ -83,8 +65,8 @@ def suggest(
     missing = {}
     for name in REQUIRED:
         if name not in search.proposals and name not in doubtful:
-            is_refused = name in unused and search.clock is not None
-            missing[name] = f"its column: {unused[name]}" if is_refused else absent
+            has_own_column = name in unused and search.clock is not None  # one of its name
+            missing[name] = f"its column: {unused[name]}" if has_own_column else absent
     return Suggestion(where, proposals, tuple(search.doubts), missing, unused, ignore)
 
 
@@ -94,38 +76,15 @@ def _find_others(search: Search, clock: ColumnClock) -> None:
     wheels, is_angular = clock_and_wheels.find_wheels(search)
     speed = body.find_speed(search, wheels)
     motion = wheels if speed is None else speed
-    factor = NOMINAL_RADIUS if speed is None and is_angular else 1.0  # from ``motion`` to m/s
+    factor = 1.0  # from ``motion`` to m/s; a speed without a unit is taken as one in m/s
+    if speed is None and is_angular:
+        factor = NOMINAL_RADIUS
     dv_dt, clock = clock_and_wheels.keep_moving_rows(search, motion, factor, clock)
     body.find_acceleration(search, dv_dt, clock)
     body.refuse_computed(search)
     body.find_pressure(search, None if dv_dt is None else -dv_dt, clock)
     clock_and_wheels.find_wheel_pressures(search)
     body.find_by_name(search)
-
-
-def _proposal_of_user(
-    channel: str, cell: str, source: ColumnSource, where: str, radii: Radii | None
-) -> Proposal | None:
-    """The proposal for a channel whose column the user gave; None if the user gave no column."""
-    if channel not in CHANNELS:
-        raise InputError(f"there is no channel {channel!r}", expected=", ".join(CHANNELS))
-    if not cell:
-        return None
-    columns, from_user, si = source.columns, column_from_cell(cell), CHANNELS[channel].si
-    indices = indices_of(cell, columns) or indices_of(from_user.name, columns)
-    if len(indices) != 1:
-        count = counted(len(indices), "column") if indices else "no column"
-        names = [address_of(columns[i], columns) for i in indices] or [c.name for c in columns]
-        raise InputError(f"{where} has {count} {cell!r}", expected=f"one of {quoted(names)}")
-    column = columns[indices[0]]
-    address = address_of(column, columns)
-    unit = from_user.unit if column.name != cell and from_user.unit != column.unit else None
-    if mapping := rim_mapping(channel, address, unit or column.unit, radii):
-        return Proposal(channel, mapping, SURE, ("given, with the radius of its axle",))
-    if channel.startswith("omega_") and is_unit(unit or column.unit or "", "m/s"):
-        raise InputError(f"{cell!r} is a speed at the rim", where=channel, do=GIVE_RADIUS)
-    assigned_column(channel, indices[0], column, Mapping(address, unit), si, where)
-    return Proposal(channel, Mapping(address, unit), SURE, ("given",))
 
 
 def try_on_log(suggestion: Suggestion, path: Path, base: ChannelMap | None = None) -> Suggestion:
@@ -155,7 +114,8 @@ def to_toml(
     lines = [f"# proposed from {one_line(suggestion.log)}", "schema = 1"]
     databases = base.databases if base else {}
     if files := {bus: _paths(paths, folder) for bus, paths in databases.items() if paths}:
-        lines.append(f"dbc = {_toml(files.get('', files))}")  # "" stands for all buses
+        are_for_all_buses = "" in files
+        lines.append(f"dbc = {_toml(files[''] if are_for_all_buses else files)}")
     if suggestion.ignore:
         lines.append(f"ignore = {_toml(list(suggestion.ignore))}")
     lines += [f"# {name}: {one_line(why)}" for name, why in suggestion.missing.items()]
@@ -170,7 +130,7 @@ def to_toml(
     return "\n".join([*lines, ""])
 
 
-def _changed(values: Named[str, object], defaults: Named[str, object]) -> list[str]:
+def _changed(values: abc.Mapping[str, object], defaults: abc.Mapping[str, object]) -> list[str]:
     """Entries that differ from the defaults, each as a line of TOML."""
     return [f"{key} = {_toml(x)}" for key, x in values.items() if x != defaults[key]]
 
@@ -186,7 +146,7 @@ def _toml(value: object) -> str:
     return table.as_string()
 
 
-def _paths(paths: Iterable[Path], folder: Path | None) -> list[str]:
+def _paths(paths: abc.Iterable[Path], folder: Path | None) -> list[str]:
     texts = []
     for path in paths:
         with suppress(ValueError):  # on another drive
@@ -195,7 +155,7 @@ def _paths(paths: Iterable[Path], folder: Path | None) -> list[str]:
     return texts
 
 
-def to_lines(suggestion: Suggestion) -> Iterator[tuple[str, str]]:
+def to_lines(suggestion: Suggestion) -> abc.Iterator[tuple[str, str]]:
     """Channel and text for each proposal, doubt, missing channel and unused column."""
     for proposal in suggestion.proposals:
         mapping = proposal.mapping
@@ -209,4 +169,4 @@ def to_lines(suggestion: Suggestion) -> Iterator[tuple[str, str]]:
     for name, why in suggestion.missing.items():
         yield name, f"missing: {why}"
     for name, why in suggestion.unused.items():
-        yield "left", f"{name}: {why}"
+        yield "left", f"{name}: {why}"  # the key of the JSON document

@@ -11,12 +11,12 @@ _WORD = re.compile(
     r"|[A-ZÄÖÜ]+(?=[A-ZÄÖÜ][a-zäöü])"  # an abbreviation before a capitalised word: ESP of ESPSpeed
     r"|[A-ZÄÖÜ]?[a-zäöüß]+|[A-ZÄÖÜ]+|\d+"  # a word, another abbreviation, a number
 )
+# English and German; "re" is "rechts" after an axle, and rear before a side, as in ``ReLe``
 _FRONT = {"f", "front", "frnt", "v", "vo", "vorn", "vorne", "va", "fa"}
 _REAR = {"r", "rear", "h", "hi", "hinten", "ha", "ra"}
 _LEFT = {"l", "left", "le", "links", "li", "lh"}
 _RIGHT = {"r", "right", "ri", "rechts", "re", "rh"}
-_REAR_OF_WHEEL = _REAR | {"re"}
-"""Before a side "re" means rear, as in AUTOSAR's ``ReLe``; after an axle it means "rechts"."""
+_REAR_BEFORE_SIDE = _REAR | {"re"}
 _WHEELS = {
     "fl": {"fl", "lf", "vl", "frontleft", "leftfront", "l1"},
     "fr": {"fr", "rf", "vr", "frontright", "rightfront", "r1"},
@@ -24,7 +24,7 @@ _WHEELS = {
     "rr": {"rr", "hr", "rearright", "rightrear", "r2"},
 }
 """Abbreviations of each wheel: English in both orders, German, and CarSim's side and axle."""
-_SIDES = _FRONT | _REAR | _LEFT | _RIGHT | set().union(*_WHEELS.values())
+_PLACES = _FRONT | _REAR | _LEFT | _RIGHT | set().union(*_WHEELS.values())
 
 
 class _Words(NamedTuple):
@@ -39,8 +39,7 @@ _QUANTITIES = {
     for row in rows("words.csv", "calib.suggest")
 }
 """By quantity; the words of "derived" show that a channel was computed, not measured."""
-_LONG = 5
-"""Fewest letters of a word that is also found within compounds: ``Fahrzeuggeschwindigkeit``."""
+_LONG = 5  # fewest letters of a word that is also found in compounds: Fahrzeuggeschwindigkeit
 
 
 def words(name: str) -> list[str]:
@@ -54,27 +53,27 @@ def wheel_of(name: str) -> str | None:
 
 
 def split_wheel(name: str) -> tuple[str | None, str]:
-    """The wheel in a name or at its end, as in ``WSFL``, and the other words: ``ws``."""
+    """The wheel that words or the last two letters name, and the rest: fl and ws of ``WSFL``."""
     all_words = words(name)
     wheel = _wheel_in(all_words)
-    if wheel is not None or not all_words:
-        return wheel, " ".join(word for word in all_words if word not in _SIDES)
+    if wheel or not all_words:
+        return wheel, " ".join(word for word in all_words if word not in _PLACES)
     *others, last = all_words
     wheel = _wheel_in([last[-2:]]) if len(last) > 2 else None
-    return wheel, " ".join([*others, last[:-2]])
+    return wheel, " ".join([*others, last[:-2] if wheel else last])
 
 
 def _wheel_in(all_words: list[str]) -> str | None:
-    """The wheel that is abbreviated among the words, or named by an axle beside a side, or None."""
+    """The wheel among the words, as an abbreviation or as an axle and a side, or None."""
     wheels = [wheel for wheel, names in _WHEELS.items() if not names.isdisjoint(all_words)]
     if wheels:
         return wheels[0] if len(wheels) == 1 else None
     for first, second in pairwise(all_words):
         orders = [(first, second)]
-        if len(first + second) > 2:  # `l r` is not a wheel
+        if len(first + second) > 2:  # of single letters, `r l` is rear left, but `l r` is no wheel
             orders.append((second, first))
         for axle, side in orders:
-            if axle in _FRONT | _REAR_OF_WHEEL and side in _LEFT | _RIGHT:
+            if axle in _FRONT | _REAR_BEFORE_SIDE and side in _LEFT | _RIGHT:
                 return ("f" if axle in _FRONT else "r") + ("l" if side in _LEFT else "r")
     return None
 

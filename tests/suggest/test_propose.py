@@ -1,4 +1,4 @@
-"""A known run under foreign names is found again; nothing is invented; doubts are told."""
+"""A known run under foreign names is found again; nothing is invented; doubts are asked."""
 
 from pathlib import Path
 
@@ -14,13 +14,14 @@ from calib.logs.formats import as_table
 from calib.logs.read import open_log, read_log
 from calib.logs.source import Column, ColumnSource
 from calib.suggest.propose import Suggestion, suggest, to_toml
-from calib.suggest.words import score, wheel_of
+from calib.suggest.words import score, split_wheel, wheel_of
 from tests.support.made_runs import made_run, stop
 
 SAMPLES = Path(__file__).parents[2] / "sample_logs"
 WHEELS = ("fl", "fr", "rl", "rr")
 RUN = made_run(stop(), rate=100.0)
 N = RUN.time.size
+ROWS = np.arange(N)
 RNG = np.random.default_rng(3)
 
 
@@ -54,20 +55,16 @@ def suggested(path):
         return suggest(as_table(opened.source, str(path)), str(path))
 
 
-def suggestion(columns, **told):
-    return suggest(source_of(columns), "run.csv", **told)
+def suggestion(columns, **options):
+    return suggest(source_of(columns), "run.csv", **options)
 
 
-def found(columns, **told):
-    return {p.channel: p for p in suggestion(columns, **told).proposals}
+def proposals_of(columns, **options):
+    return {p.channel: p for p in suggestion(columns, **options).proposals}
 
 
 def without(columns, *names):
     return {key: x for key, x in columns.items() if key[0] not in names}
-
-
-def sources(result):
-    return {p.channel: p.mapping.source for p in result.proposals}
 
 
 def test_a_foreign_log_is_found_out():
@@ -75,9 +72,8 @@ def test_a_foreign_log_is_found_out():
     assert {p.sure for p in result.proposals} == {"sure"}
     assert not result.doubts
     assert not result.missing
-    assert set(result.unused) == {
-        *("Yaw rate", "Engine speed", "Lateral acceleration", "Tyre pressure", "Driver")
-    }
+    others = {"Yaw rate", "Engine speed", "Lateral acceleration", "Tyre pressure", "Driver"}
+    assert set(result.unused) == others
 
 
 def test_the_map_reads_the_run_back(tmp_path):
@@ -98,24 +94,24 @@ RIGHT = {p.channel: p.mapping for p in suggestion(foreign()).proposals}
 
 @settings(max_examples=25)
 @given(
-    kept=st.sets(st.sampled_from([name for name, _ in foreign()]), min_size=1),
+    names=st.sets(st.sampled_from([name for name, _ in foreign()]), min_size=1),
     order=st.randoms(use_true_random=False),
 )
-def test_whatever_is_kept_nothing_wrong_is_proposed(kept, order):
+def test_nothing_wrong_is_proposed_for_any_columns(names, order):
     """Any selection of columns, in any order: each proposal is the right one or there is none."""
-    columns = [(key, x) for key, x in foreign().items() if key[0] in kept]
+    columns = [(key, x) for key, x in foreign().items() if key[0] in names]
     order.shuffle(columns)
-    for channel, proposal in found(dict(columns)).items():
+    for channel, proposal in proposals_of(dict(columns)).items():
         assert proposal.mapping == RIGHT[channel]
 
 
-def changed(name, value, unit=None):
+def with_values(name, value, unit=None):
     """The foreign log in which one column has other values, and perhaps another unit."""
     key = next(key for key in foreign() if key[0] == name)
     return {**without(foreign(), name), (name, unit or key[1]): value}
 
 
-def lost(name, rows):
+def with_gap(name, rows):
     """The foreign log in which one column has no value in these rows."""
     columns = foreign()
     (key,) = (key for key in columns if key[0] == name)
@@ -132,15 +128,15 @@ TIME = 1e3 * RUN.time
 
 
 @pytest.mark.parametrize(
-    ("columns", "channel", "left"),
+    ("columns", "channel", "unused"),
     [
         (without(foreign(), P), "p_mc", "Tyre pressure"),
         (without(foreign(), A), "a_x", "Lateral acceleration"),
         (without(foreign(), "nRad_VL"), "omega_fl", "Engine speed"),
         (without(foreign(), P) | TORQUE, "p_mc", "Brake torque"),
-        (changed(P, np.concatenate([PRESSURE[:60], PRESSURE[:-60]])), "p_mc", P),
-        (changed("nRad_HL", RNG.normal(size=N) + 300), "omega_rl", "nRad_HL"),
-        (lost(V, slice(300, 360)), "v", V),
+        (with_values(P, np.concatenate([PRESSURE[:60], PRESSURE[:-60]])), "p_mc", P),
+        (with_values("nRad_HL", RNG.normal(size=N) + 300), "omega_rl", "nRad_HL"),
+        (with_gap(V, slice(300, 360)), "v", V),
         (foreign() | {("Raw", "Nm"): PRESSURE}, "p_mc", P),
         *((foreign() | {(name, "Nm"): RNG.normal(size=N) - 80.0}, "T_drive_f", name)
           for name in ("Motor torque", "Drive torque request front")),
@@ -150,11 +146,11 @@ TIME = 1e3 * RUN.time
     ids=["no pressure", "no deceleration", "no wheel", "torque", "late pressure", "another wheel",
          "long gap", "of a torque", "of no axle", "asked for", "of a demand", "unnamed at a coast"],
 )  # fmt: skip
-def test_what_is_not_there_is_not_invented(columns, channel, left):
+def test_no_channel_is_invented(columns, channel, unused):
     result = suggestion(columns)
     assert channel not in {p.channel for p in result.proposals}
     assert channel in ("v", "T_drive_f") or channel in result.missing
-    assert left in result.unused
+    assert unused in result.unused
 
 
 def test_a_pressure_that_was_computed_from_a_torque_is_none():
@@ -170,70 +166,68 @@ RIM = without(foreign(), *(f"nRad_{w}" for w in ("VL", "VR", "HL", "HR"))) | {
 
 
 @pytest.mark.parametrize(
-    ("columns", "doubtful", "told", "expected"),
+    ("columns", "doubtful", "options", "expected"),
     [
-        (changed(A, -RUN["a_x"] / 9.80665, "m/s^2"), "a_x", {}, None),
+        (with_values(A, -RUN["a_x"] / 9.80665, "m/s^2"), "a_x", {}, None),
         (
             foreign() | {("Bremsdruck HZ 2", "bar"): RUN["p_mc"] / 1e5},
             "p_mc",
             {"user_specified": {"p_mc": "Bremsdruck HZ 2"}},
-            ("Bremsdruck HZ 2", None, 1.0),
+            ("Bremsdruck HZ 2", None),
         ),
         (
             without(foreign(), P) | {("Brake pressure", None): RUN["p_mc"] / 1e5},
             "p_mc",
             {"user_specified": {"p_mc": "Brake pressure [bar]"}},
-            ("Brake pressure", "bar", 1.0),
+            ("Brake pressure", "bar"),
         ),
         (RIM, "omega_fl", {}, None),
         # 17 could be rad/s or km/h: a radius of 0.278 m makes both alike
         ({(n, None if n[:4] == "nRad" else u): x for (n, u), x in foreign().items()},
          "omega_fl", {}, None),
-        *((changed("Zeit", np.where(np.isin(np.arange(N), rows), value, TIME)), "time", {}, None)
+        *((with_values("Zeit", np.where(np.isin(ROWS, rows), value, TIME)), "time", {}, None)
           for rows, value in ((400, 0.0), (400, np.nan), (range(400, 500), 1.0))),
     ],
     ids=["unit", "two pressures", "no unit", "rim", "wheels without unit",
          "time of zero", "no time", "time that stands"],
 )  # fmt: skip
-def test_a_doubt_is_asked_and_told(columns, doubtful, told, expected):
+def test_a_doubt_is_asked_and_answered(columns, doubtful, options, expected):
     (doubt,) = suggestion(columns).doubts
     assert doubt.channel.split(" ")[0] == doubtful
     if expected:
-        mapping = found(columns, **told)[doubtful].mapping
-        assert (mapping.source, mapping.unit, mapping.scale) == (
-            *expected[:2],
-            pytest.approx(expected[2]),
-        )
+        mapping = proposals_of(columns, **options)[doubtful].mapping
+        assert (mapping.source, mapping.unit) == expected
+        assert mapping.scale == 1.0
 
 
-def test_wheels_that_are_told_respect_the_radius():
+def test_wheels_of_the_user_respect_the_radius():
     columns = {(n.replace("WheelSpeed", "Rim"), unit): x for (n, unit), x in RIM.items()}
-    told = {f"omega_{wheel}": f"Rim_{wheel.upper()}" for wheel in WHEELS}
-    for said in ({}, told):  # each axle may have a radius
-        proposals = found(columns if said else RIM, user_specified=said, radii=(0.3, 0.315))
+    of_user = {f"omega_{wheel}": f"Rim_{wheel.upper()}" for wheel in WHEELS}
+    for log, user_specified in ((RIM, {}), (columns, of_user)):  # each axle may have a radius
+        proposals = proposals_of(log, user_specified=user_specified, radii=(0.3, 0.315))
         mappings = [proposals[f"omega_{wheel}"].mapping for wheel in ("fl", "rr")]
         assert [mapping.unit for mapping in mappings] == ["rad/s", "rad/s"]
         assert [m.scale for m in mappings] == pytest.approx([1 / 3.6 / 0.3, 1 / 3.6 / 0.315])
     with pytest.raises(InputError):
-        suggestion(columns, user_specified=told)
+        suggestion(columns, user_specified=of_user)
 
 
 def test_speeds_at_the_rim_are_no_angular_speeds():
     """Without v their derivative tells g from m/s^2, also if the user wants no wheel speed."""
-    assert found(without(RIM, V), user_specified={"omega_fl": ""})["a_x"].mapping.sign == -1
+    assert proposals_of(without(RIM, V), user_specified={"omega_fl": ""})["a_x"].mapping.sign == -1
 
 
 @pytest.mark.parametrize(
-    "told",
-    [{"p_cm": "Zeit"}, {"p_mc": "Druck"}, {"p_mc": "nRad_VL"}, {"p_mc": "Driver [rpm]"}],
+    ("channel", "source"),
+    [("p_cm", "Zeit"), ("p_mc", "Druck"), ("p_mc", "nRad_VL"), ("p_mc", "Driver [rpm]")],
 )
-def test_telling_what_cannot_be(told):
+def test_a_source_that_cannot_be(channel, source):
     with pytest.raises(InputError):
-        suggestion(foreign(), user_specified=told)
+        suggestion(foreign(), user_specified={channel: source})
 
 
-COARSE = np.where((np.arange(N) % 11 == 0) | (np.arange(N) == N - 1), 3.6 * RUN["v"], np.nan)
-REPEATED = np.where(np.arange(N) == 400, TIME[399], TIME)
+COARSE = np.where((ROWS % 11 == 0) | (ROWS == N - 1), 3.6 * RUN["v"], np.nan)
+REPEATED = np.where(ROWS == 400, TIME[399], TIME)
 
 
 @pytest.mark.parametrize(
@@ -242,14 +236,14 @@ REPEATED = np.where(np.arange(N) == 400, TIME[399], TIME)
         (without(foreign(), "Zeit") | {("t", None): RUN.time}, "time", ("t", "s"), "likely"),
         (without(foreign(), "Zeit") | {("t", None): TIME}, "time", ("t", "ms"), "likely"),
         (without(foreign(), "Zeit") | {("t", None): 1e3 * TIME}, "time", ("t", "us"), "likely"),
-        (changed("Zeit", REPEATED), "time", ("Zeit", None), "sure"),
+        (with_values("Zeit", REPEATED), "time", ("Zeit", None), "sure"),
         (foreign(COAST), "p_mc", (P, None), "likely"),
         (foreign(COAST), "a_x", (A, None), "likely"),
         (without(foreign(), A) | {("acc 1", "g"): -RUN["a_x"] / 9.8}, "a_x", ("acc 1", None),
          "likely"),
-        (lost(V, slice(300, 310)), "v", (V, None), "sure"),
+        (with_gap(V, slice(300, 310)), "v", (V, None), "sure"),
         # the finer one of two, also where it lost a message and the other is named as well
-        (lost(V, slice(300, 310)) | {("GPS vehicle speed", "km/h"): COARSE}, "v", (V, None),
+        (with_gap(V, slice(300, 310)) | {("GPS vehicle speed", "km/h"): COARSE}, "v", (V, None),
          "sure"),
         # an analogue input beside what it was scaled to
         (foreign() | {("Raw", "1"): PRESSURE}, "p_mc", (P, None), "sure"),
@@ -299,7 +293,7 @@ def test_a_run_of_carsim():
         **{(f"Pbk_{p}", "MPa"): 0.9 * RUN["p_mc"] / 1e6 for p in places.values()},
     }
     result = suggestion(columns)
-    assert sources(result) == {
+    assert {p.channel: p.mapping.source for p in result.proposals} == {
         "time": "Time",
         "v": "Vx",
         "a_x": "Ax",
@@ -316,17 +310,25 @@ def test_databases_are_kept(tmp_path, buses):
     for file in files:
         file.write_text("")
     used = ChannelMap("old.toml", {}, databases=dict.fromkeys(buses, files))
-    found = Suggestion("x.blf", (), (), {}, {}, ())
+    empty = Suggestion("x.blf", (), (), {}, {}, ())
     written = tmp_path / "map.toml"
-    written.write_text(to_toml(found, used, tmp_path) + '[channels.v]\nsource = "speed"\n')
+    written.write_text(to_toml(empty, used, tmp_path) + '[channels.v]\nsource = "speed"\n')
     assert read_channel_map(written).databases == used.databases
+
+
+@pytest.mark.parametrize("address", ["Zeit", "Zeit [s]"])
+@pytest.mark.parametrize("columns", [with_gap("Zeit", 300), with_values("Zeit", -TIME)])
+def test_a_time_of_the_user_that_is_no_clock_is_a_doubt(columns, address):
+    result = suggestion(columns, user_specified={"time": address})
+    assert [doubt.channel for doubt in result.doubts] == ["time"]
+    assert "time" not in {proposal.channel for proposal in result.proposals}
 
 
 def test_mirrored_wheels_get_a_sign():
     columns = foreign()
     for name in ("VR", "HR"):
         columns[f"nRad_{name}", "U/min"] = -columns[f"nRad_{name}", "U/min"]
-    signs = {w: found(columns)[f"omega_{w}"].mapping.sign for w in WHEELS}
+    signs = {w: proposals_of(columns)[f"omega_{w}"].mapping.sign for w in WHEELS}
     assert signs == {"fl": 1, "fr": -1, "rl": 1, "rr": -1}
 
 
@@ -343,6 +345,10 @@ def test_mirrored_wheels_get_a_sign():
 def test_wheel_of(wheel, names):
     """Parts of a corner that are not beside each other are not certain."""
     assert {name: wheel_of(name) for name in names} == dict.fromkeys(names, wheel)
+
+
+def test_split_wheel():
+    assert [split_wheel(x) for x in ("WSFL", "Speed")] == [("fl", "ws"), (None, "speed")]
 
 
 @pytest.mark.parametrize(
