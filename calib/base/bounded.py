@@ -44,10 +44,10 @@ class FileKind(NamedTuple):
             raise SettingsError(flaw, where=self.variable, expected=expected)
         return int(megabytes * _MEGA)
 
-    def too_large(self, subject: str = "it has") -> str:
-        """Message for a file that is too large; ``subject`` may be "it unpacks to"."""
+    def size_message(self, beginning: str = "it has") -> str:
+        """Message for a file above the limit; it begins with "it has more than 120 MB"."""
         limit = f"{self.max_bytes / _MEGA:g} MB"
-        return f"{subject} more than {limit}; if it is meant, set {self.variable} to more MB"
+        return f"{beginning} more than {limit}; if it is meant, set {self.variable} to more MB"
 
 
 LOG = FileKind("log", 120)  # text and Parquet; an hour of 13 channels at 200 Hz is 100 MB of text
@@ -83,7 +83,7 @@ def open_bounded(path: Path, kind: FileKind) -> BufferedReader:
             node = "a directory" if stat.S_ISDIR(status.st_mode) else "a pipe or a device"
             raise OSError(errno.EINVAL, f"{node} is not a file", str(path))
         if status.st_size > kind.max_bytes:
-            raise OSError(errno.EFBIG, kind.too_large(), str(path))
+            raise OSError(errno.EFBIG, kind.size_message(), str(path))
     except BaseException:
         file.close()
         raise
@@ -96,7 +96,7 @@ def read_bounded(path: Path, kind: FileKind) -> bytes:
         limit = kind.max_bytes
         data = file.read(limit + 1)
     if len(data) > limit:  # the file grew, or its system did not tell its size
-        raise OSError(errno.EFBIG, kind.too_large(), str(path))
+        raise OSError(errno.EFBIG, kind.size_message(), str(path))
     return data
 
 

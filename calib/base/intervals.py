@@ -43,14 +43,14 @@ def noise_over(x: Array, longest: float) -> list[float]:
     return [white_noise(x, lag=lag) for lag in lags if lag <= longest and 3 * lag < x.size]
 
 
-def second_differences(white: float, walk: float, step_walk: float) -> tuple[Array, float]:
-    """Return the moving average (3,) that makes the second differences of e from white noise.
+def second_difference_model(white: float, walk: float, step_walk: float) -> tuple[Array, float]:
+    """Model the second differences of e, v less the integral of a_x, as a moving average.
 
-    Also return the standard deviation of that noise [m/s]. e is v less the integral of a_x. It is
-    the sum of white noise, of a random walk, and of a walk whose step is itself a random walk, as
-    on a changing slope. The parameters are the variances of the white noise, of the steps of the
-    random walk, and of the changes of the step [m^2/s^2]. With the shift q by one sample and
-    y = q + 1/q, the spectrum of the second differences is
+    e is the sum of white noise, a random walk, and a walk whose step is itself a random walk, as on
+    a changing slope. The parameters are the variances of the white noise, of the steps of the
+    random walk, and of the changes of the step [m^2/s^2]. Returns the coefficients (3,) and the
+    standard deviation of the white noise [m/s] that is averaged. With the shift q by one sample
+    and y = q + 1/q, the spectrum of the second differences is
 
         white (2 - y)^2 + walk (2 - y) + step_walk
 
@@ -62,7 +62,8 @@ def second_differences(white: float, walk: float, step_walk: float) -> tuple[Arr
     # q + 1/q = y has the zero q = 2/(y + sqrt(y^2 - 4)) within the unit circle
     first, second = (2.0 / (y + cmath.sqrt(y + 2.0) * cmath.sqrt(y - 2.0)) for y in zeros_y)
     average = np.array([1.0, -(first + second).real, (first * second).real])
-    return average, math.sqrt(white / average[-1])
+    # the factor of q^2 in the spectrum is white, by the average it is variance * average[2]
+    return average, math.sqrt(white / average[2])
 
 
 def posterior(information: Array, side: Array, sigma: Array) -> tuple[Array, Array, Array]:

@@ -110,11 +110,11 @@ class Metric:
     unit: str = ""  # as displayed
     factor: float = 1.0  # converts from SI to `unit`
     step: float = 0.0  # smallest relevant difference [SI], which gives the displayed decimals
-    scope: str = ""  # "car" where the station judges the metric, "stop" where a validation does
+    scope: str = ""  # "car" or "stop": whether it judges a car with its table, or a single stop
     cut: float = math.inf  # this value stands for all larger values [SI]
     judged: int = 0  # place in the station's order; 0 if the station does not judge the metric
-    car: MetricLimits = _NO_LIMITS  # limits of the station for a car [SI]
-    stop: MetricLimits = _NO_LIMITS  # limits of `validate`, and of the station for stops [SI]
+    station: MetricLimits = _NO_LIMITS  # limits of `station` [SI]
+    validate: MetricLimits = _NO_LIMITS  # of `validate`, and of `station` if it has no limits [SI]
     required: bool = False  # whether an unknown value fails
     meaning: str = ""
     reason: str = ""  # why these limits
@@ -162,7 +162,7 @@ def _read(row: dict[str, str]) -> Metric:
     texts = ("scope", "name", "unit", "meaning", "reason", "action")
     cells: dict[str, Any] = {column: row[column] for column in texts}
     cells |= {column: float(row[column]) for column in ("factor", "step", "cut") if row[column]}
-    for field, prefix in (("car", ""), ("stop", "stop_")):
+    for field, prefix in (("station", ""), ("validate", "stop_")):
         ends = [row[prefix + end] for end in MetricLimits._fields]
         cells[field] = MetricLimits(*(float(end) if end else None for end in ends))
     return Metric(**cells, judged=int(row["judged"] or 0), required=row["required"] == "yes")
@@ -178,8 +178,8 @@ def meanings(scope: str) -> dict[str, str]:
 
 
 def limit_of(key: str, end: str) -> float:
-    """The limit of a car for a metric, by its name in `MetricLimits`, such as "warn_high"."""
-    return float(getattr(METRICS[key].car, end))
+    """A limit of the station for a metric, by its name in `MetricLimits`, such as "warn_high"."""
+    return float(getattr(METRICS[key].station, end))
 
 
 def metric_of(key: str, unit: str = "1") -> Metric:

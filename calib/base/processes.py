@@ -65,9 +65,8 @@ def worker_pool(count: int, *preload: str) -> ProcessPoolExecutor:
 def parallel_map(count: int, preload: str) -> Iterator[MapFunction]:
     """Yield a function like `map` that uses ``count`` processes; `map` itself if ``count`` is 1.
 
-    The module ``preload`` is imported as by `worker_pool`. Functions must be at the top level of a
-    module, items and results picklable, and a script must guard its main part. Raises BatchError if
-    a process died.
+    ``preload`` is as for `worker_pool`. Functions must be at the top level of a module, items and
+    results picklable, and a script must guard its main part. Raises BatchError if a process died.
     """
     if count <= 1:
         yield map
@@ -84,7 +83,7 @@ def parallel_map(count: int, preload: str) -> Iterator[MapFunction]:
             pool.submit(os.getpid)  # starts a process, which imports while this process goes on
         yield mapped
     except BrokenExecutor as error:
-        # a signal to the whole group of processes ends this process, too, in this time
+        # if a signal to the whole group ended the worker, this process ends here without an error
         time.sleep(_SIGNAL_TIME)
         flaw = "a worker process died"
         raise BatchError(flaw, do="repeat it; if memory ran out, with --workers 1") from error

@@ -34,7 +34,7 @@ class Section(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
 
     written_as: ClassVar[str] = ""
-    """What a message expects instead of a value that is no table; if empty, ``[name]``."""
+    """How users write the table, for a message; if empty, as ``[name]``."""
 
 
 class FileSchema(Section):

@@ -63,7 +63,7 @@ _BY_CODE: dict[str, list[_Rule]] = {}
 for _rule in RULES:
     _BY_CODE.setdefault(_rule.code, []).append(_rule)
 UNITS = {code: rules[0].unit for code, rules in _BY_CODE.items()}
-"""Unit of the value of each code; a code that measures nothing has the value 1."""
+"""Unit of the value of each code; a code that only says yes has the unit and the value 1."""
 
 LIMITS = SimpleNamespace(
     **{row["name"]: json.loads(row["value"]) for row in rows("log_limits.csv")}
@@ -150,7 +150,8 @@ def rule_warnings(
     warnings = []
     for measured in values:
         for rule in _BY_CODE[measured.code]:
-            applies = rule.consequence in consequences and purpose in (None, *rule.purposes)
+            is_asked = purpose is None or purpose in rule.purposes
+            applies = is_asked and rule.consequence in consequences
             low, high, margin = rule.low, rule.high, rule.sigmas * measured.sigma
             if margin != 0.0:
                 low, high = min(low, -margin), max(high, margin)
@@ -178,9 +179,9 @@ def unexplained(
 ) -> tuple[PlausibilityWarning, ...]:
     """Return the warnings that follow from no other warning, in the order of the rules.
 
-    For example, locked wheels that follow from a wrong unit are left out. ``others`` are warnings
-    from which some may follow, but which are not returned. Warnings follow from a code only if its
-    first rule is broken; these codes are shown in the unit of their rule.
+    For example, locked wheels that follow from a wrong unit are left out. ``others`` are further
+    warnings from which some may follow; they are not returned. A code entails others only where
+    its value breaks its first rule, the gravest. No such code is converted to another unit.
     """
     candidates, explained = tuple(warnings), set[str]()
     for warning in (*candidates, *others):

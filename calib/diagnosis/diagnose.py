@@ -41,8 +41,7 @@ def diagnose(
         `calib.car.effects.catalogue.with_own`.
     calibration : two or more logs of different manoeuvres, in which the effect is searched.
     holdout : one or more logs, on which the effect must close the gap.
-    tell : called at each step with the stage in words, the number of its steps that are done, and
-        the number of all its steps.
+    tell : called at each step with the stage in words, its steps done, and the number of its steps.
     mapped : a `map` that may work in several processes, see `calib.base.processes.parallel_map`.
         Effects of the user, which other processes do not know, are tried in this one.
 
@@ -66,22 +65,23 @@ def diagnose(
     in_order = [*sorted(calibration, key=lambda log: log.digest), *holdout]
     recorded, count = [without_holds(log) for log in in_order], len(calibration)
     known_to_all = map if vehicle.effects.user_defined else mapped
-    for largest in (runs.LARGEST, runs.USUAL):
+    for largest in (runs.LARGEST_DIFFERENCE, runs.USUAL_DIFFERENCE):
         logs, taken_out = runs.with_even_sides(recorded, largest)
         observed = [run_of(log) for log in logs[:count]]
         search = run_search(problem_of(vehicle, observed, tell, known_to_all), logs[count:])
         runs.require_right_axles(search, logs, warnings)
         tell("replaying the hold-outs", 0, 1)
         verdict = verdict_of(search)
-        # a large difference may be a brake that drags on one wheel: then it is not taken out
+        # a large difference may be a brake that drags on one wheel: then search again with it
         effects = (definition(vehicle.effects, name) for name in verdict.best.names)
         may_drag = any(acts_on(x, SLOWING) for x in effects) or verdict.term is not None
-        if taken_out <= runs.USUAL or not may_drag:
+        if taken_out <= runs.USUAL_DIFFERENCE or not may_drag:
             break
     best, last = verdict.best, _last_replays(verdict)
     unexplained = None
     if verdict.term is not None:
         unexplained = unexplained_of(best, verdict.term, search.gap(verdict.after).rms_after)
+    after = last.simulated if unexplained else best  # only the fit of the replays has the term
     accepted = [set(names) for names in search.steps]
     withdrawn = (names for names in search.withdrawn.values() if set(names) not in accepted)
     return Diagnosis(
@@ -96,7 +96,7 @@ def diagnose(
         replays_after=last.logs,
         measured=search.holdouts.logs,
         reduced_before=search.base.mean_square,
-        reduced_after=last.simulated.mean_square if unexplained else best.mean_square,
+        reduced_after=after.mean_square,
         withdrawn=tuple(dict.fromkeys(withdrawn)),
         steps=tuple(search.steps),
         warnings=runs.unexplained_warnings(

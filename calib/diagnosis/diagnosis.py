@@ -101,20 +101,19 @@ class Diagnosis(Viewable):
 
 def to_dict(diagnosis: Diagnosis) -> dict[str, Any]:
     """Return the document diagnosis.json; numbers that are not finite are null."""
-    document: dict[str, Any] = _plain(
-        {
-            "schema": 1,
-            "verdict": diagnosis.verdict,
-            "effects": diagnosis.effects,
-            "unexplained": diagnosis.unexplained,
-            "base": diagnosis.base,
-            "innovation": {"before": diagnosis.reduced_before, "after": diagnosis.reduced_after},
-            "steps": diagnosis.steps,
-            "withdrawn": diagnosis.withdrawn,
-            "gap": _gap(diagnosis.gap),
-            "warnings": diagnosis.warnings,
-        }
-    )
+    values = {
+        "schema": 1,
+        "verdict": diagnosis.verdict,
+        "effects": diagnosis.effects,
+        "unexplained": diagnosis.unexplained,
+        "base": diagnosis.base,
+        "innovation": {"before": diagnosis.reduced_before, "after": diagnosis.reduced_after},
+        "steps": diagnosis.steps,
+        "withdrawn": diagnosis.withdrawn,
+        "gap": _gap(diagnosis.gap),
+        "warnings": diagnosis.warnings,
+    }
+    document: dict[str, Any] = _plain(values)
     return document
 
 

@@ -35,7 +35,7 @@ class Fits:
     base: Fit = field(init=False)  # without effects
     fitted: dict[object, Fit] = field(default_factory=dict)
     densities: dict[object, float] = field(default_factory=dict)  # as `density` returns them
-    attempts: set[object] = field(default_factory=set)  # keys of a part and of its whole, fitted
+    attempts: set[object] = field(default_factory=set)  # keys of a part, and of the fit it is from
 
     def __post_init__(self) -> None:
         self.base = fit_logs(self.problem, Hypothesis(), start_of(self.problem))
@@ -56,7 +56,7 @@ class Fits:
     def best_of(self, chosen: Sequence[Promise], near: Fit, least: float = -np.inf) -> list[Fit]:
         """Fit the ``chosen`` promises, from the columns of ``near``; best first.
 
-        Fits that may be the best are pruned. A fit ends if ln of its evidence is below ``least``.
+        Fits that may be the best are pruned. For ``least`` see `fit_logs`.
         """
         unknown = [p for p in chosen if not self.is_known(p.hypothesis, p.log_evidence)]
         if unknown:
@@ -77,13 +77,14 @@ class Fits:
             doubtful_worth = _DOUBTFUL
             doubtful_worth += _DOUBTFUL_SHARE * (fit.log_evidence - self.base.log_evidence)
             doubtful = [name for name in fit.names if fit.worth_of(name) < doubtful_worth]
-            better = max(self.fewer(fit, doubtful), key=lambda f: f.log_evidence, default=fit)
+            parts = self.without_each(fit, doubtful)
+            better = max(parts, key=lambda part: part.log_evidence, default=fit)
             if better.log_evidence <= fit.log_evidence:
                 return fit
             fit = better
 
-    def fewer(self, fit: Fit, names: Iterable[str]) -> list[Fit]:
-        """Fit without each of these effects of ``fit`` in turn, then without each of its groups."""
+    def without_each(self, fit: Fit, names: Iterable[str]) -> list[Fit]:
+        """Fit without each effect of ``names`` in turn, then without each group of ``fit``."""
         parts, groups = [], fit.hypothesis.groups
         for name in names:
             others = tuple(n for n in fit.names if n != name)
@@ -133,7 +134,7 @@ class Fits:
 def _fitted(
     problem: Problem, near: Sequence[Array], unusual_base: bool, least: float, promise: Promise
 ) -> Fit:
-    """Fit a promise from its state; from the usual base if ``unusual_base`` is in that state."""
+    """Fit a promise from its state; with an ``unusual_base``, from its effects and a usual base."""
     state = promise.state
     if unusual_base:
         start = start_of(problem)

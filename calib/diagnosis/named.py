@@ -1,8 +1,7 @@
 """Describe a fit: its effects by name, its base, and the drive that separates it from a rival.
 
 The drive is the one in which the predictions of both fits differ most, less what pads, tyres and
-effects can explain, by the linear model of all logs and the drive. For large effects this is right
-in the order of magnitude.
+effects can explain, by the linear model of all logs and the drive. For large effects it is rough.
 """
 
 from collections.abc import Iterable
@@ -43,8 +42,7 @@ def _intervals(fit: Fit) -> list[tuple[Base, Effects]]:
     """Base and effects at the lower ends of the 95 % intervals, the estimates, the upper ends.
 
     Tyre discrepancies and random effects are marginalised. Intervals are wider if more than noise
-    is left. They include the uncertainty of the mass in the pads, and end at the bounds of the
-    prior.
+    is left. Those of pads include the uncertainty of the mass. All end at the bounds of the prior.
     """
     half = Z95 * np.sqrt(np.maximum(np.diag(fit.covariance), 0.0) * max(fit.mean_square, 1.0))
     half[PADS] = np.hypot(half[PADS], Z95 * fit.problem.vehicle.mass_tolerance)
@@ -54,7 +52,7 @@ def _intervals(fit: Fit) -> list[tuple[Base, Effects]]:
 
 
 def base_estimates(fit: Fit) -> dict[str, ParameterEstimate]:
-    """Estimate pads and tyre, with intervals; ``rolling_radius`` is that over the file's."""
+    """Estimate pads, tyre and ``rolling_radius``, a factor on the file's radii, with intervals."""
     names = ("pad_friction_f", "pad_friction_r", "tyre_stiffness", "tyre_peak", "rolling_radius")
     ends = [
         (b.pad_friction_f, b.pad_friction_r, b.tyre.stiffness, b.tyre.peak, b.radius)
@@ -163,7 +161,7 @@ def _range_of(driver: Array, weight: Array) -> tuple[float, float]:
 def best_drive(fit: Fit, other: Fit) -> tuple[str, float]:
     """Return the drive that best separates two fits, and the distance of the fits then [sigma].
 
-    The squared distance is the information on a share of the change from one fit to the other.
+    The distance is 1 over the standard deviation of a share of the change between the fits.
     """
     problem = replace(fit.problem, runs=manoeuvres(fit))
     random_effects = np.zeros((len(problem.runs), len(RANDOM_EFFECTS)))
@@ -193,7 +191,8 @@ def manoeuvres(fit: Fit) -> tuple[ObservedRun, ...]:
         z = p / 70e5
         v = np.maximum(v0 - 0.01 * np.cumsum(z * G), 2.0)
         channels = {"time": time, "p_mc": p, "a_x": -z * G, "v": v}
-        omega, heat = v / fit.problem.vehicle.front.rolling_radius, 100.0 + 0.3 * (v0**2 - v**2)
+        omega = v / fit.problem.vehicle.front.rolling_radius
+        heat = 100.0 + 0.3 * (v0**2 - v**2)  # [degC], from 100 degC at first, all discs alike
         channels |= {f"omega_{wheel}": omega for wheel in WHEELS}
         if has_heat:
             channels |= {"T_disc_f": heat, "T_disc_r": heat}

@@ -161,25 +161,25 @@ def _ranked(E: Array, g: Array, names: Names, most: int) -> list[_Subset]:
 def _extended(A: Array, g: Array, names: Names, columns: tuple[int, ...]) -> list[_Subset]:
     """The j ``columns`` with a further column, the best of each name, if all amounts are positive.
 
-    The amounts solve A x = g. A Schur complement gives that of the further column, for each of the
-    c columns at once.
+    The amounts solve A x = g. A Schur complement gives that of each of c further columns at once.
     """
     fixed = list(columns)
     inside, d = A[np.ix_(fixed, fixed)], np.diag(A)
     K = np.linalg.solve(inside, A[fixed])  # (j, c)
     schur = d - np.sum(A[fixed] * K, axis=0)  # (c,)
-    use = (schur > 1e-9 * d) & ~np.isin(names, names[fixed])
-    projected, schur = g - g[fixed] @ K, np.where(use, schur, 1.0)
-    amount, alone = projected / schur, np.linalg.solve(inside, g[fixed])  # (c,), (j,)
-    others = alone[:, None] - K * amount  # amounts of the j columns beside each (j, c)
-    fall = g[fixed] @ alone + projected * amount
+    is_possible = (schur > 1e-9 * d) & ~np.isin(names, names[fixed])
+    schur, projected = np.where(is_possible, schur, 1.0), g - g[fixed] @ K
+    amount = projected / schur  # of the further column (c,)
+    without = np.linalg.solve(inside, g[fixed])  # amounts of the j columns without it (j,)
+    beside = without[:, None] - K * amount  # amounts of the j columns beside it (j, c)
+    fall = g[fixed] @ without + projected * amount
     log_determinant = np.linalg.slogdet(inside)[1] + np.log(schur)
     log_prior = (len(fixed) + 1) * math.log(STRENGTH)
-    is_allowed = use & (amount > 0.0) & np.all(others > 0.0, axis=0)
+    is_allowed = is_possible & (amount > 0.0) & np.all(beside > 0.0, axis=0)
     gain = np.where(is_allowed, 0.5 * (fall - log_determinant) - log_prior, -np.inf)
     best: dict[str, _Subset] = {}
     for k in np.argsort(-gain).tolist():
         if is_allowed[k] and names[k] not in best:
-            amounts = (*others[:, k].tolist(), float(amount[k]))
+            amounts = (*beside[:, k].tolist(), float(amount[k]))
             best[names[k]] = _Subset((*columns, k), amounts, float(gain[k]))
     return list(best.values())

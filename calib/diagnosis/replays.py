@@ -75,8 +75,7 @@ class Gap:
     @property
     def closed(self) -> float:
         """Share of the gap that the effects close [1]; 0 where there is no gap."""
-        rms_before, rms_after = self.rms()
-        return 1.0 - rms_after / rms_before if rms_before > 0.0 else 0.0
+        return 1.0 - self.rms_after / self.rms_before if self.rms_before > 0.0 else 0.0
 
 
 def gap_of(
@@ -195,10 +194,10 @@ def holdout_effects(holdouts: Problem, fit: Fit) -> Array:
         state = State(fit.state.x, fit.state.discrepancy, random_effects)
         present = replace(fit, problem=holdouts).at_state(state)
         columns, previous = random_derivatives(present, places.tolist()), random_effects.copy()
-        for r, N, u in zip(present.innovations, columns, random_effects, strict=True):
-            products = Products.from_columns(np.zeros((0, r.size)), N, r, u[places])
+        for i, (r, N) in enumerate(zip(present.innovations, columns, strict=True)):
+            products = Products.from_columns(np.zeros((0, r.size)), N, r, previous[i, places])
             _, step, _ = products.marginalised(S[places])
-            u[places] -= step[:, -1]
+            random_effects[i, places] -= step[:, -1]
         if np.all(np.abs(random_effects - previous) <= _NEAR * S):
             break
     return random_effects

@@ -39,7 +39,7 @@ _EXPLAINABLE = (
 """Codes of warnings that effects, pads or roads cause as well as mistakes do. A diagnosis that
 explains the logs has named their cause, so these warnings are not given."""
 _FITTED = 3  # number of promises that are fitted to logs with exchanged axles
-LARGEST, USUAL = 5e-3, 1e-3
+LARGEST_DIFFERENCE, USUAL_DIFFERENCE = 5e-3, 1e-3
 """Differences of left and right radii [1] up to which the wheel speeds are made equal: one new tyre
 makes 5e-3, tyres of one age 1e-3. A brake that drags on one wheel looks like 1e-3 to 8e-3."""
 

@@ -36,7 +36,10 @@ number in units of the noise."""
 _TRIED_ANEW = 8  # number of further effects that are tried anew beside a fit
 _MAX_MOVES = 12
 _QUIETER = 0.9  # share of a channel's noise below which a fit leaves the channel quieter
-_LINEAR_ERROR = 0.5  # largest error of the linear model, as a share of a gain: that of a motor
+_LINEAR_ERROR, _LINEAR_OFFSET = 0.5, 5.0
+"""Largest error of a promised gain: a share of the gain, which a motor needs, and a number."""
+_LEAST_PROMISE = 5.0  # gain that a further effect must promise to be fitted
+_BETTER_FIT = 2.0  # gain of another fit of the best hypothesis from which it is better
 
 
 def run_search(problem: Problem, holdout: Sequence[Log]) -> "Search":
@@ -79,7 +82,7 @@ class Search:
         self.base = self.best = self.fits.base
         self.best_trials = self.base_trials = trials(self.base)
         for _ in range(_MAX_MOVES):
-            if not self._move() or self.is_no_effect() or self.quieter_noise():
+            if not self._move() or self.is_term_likelier() or self.quieter_noise() is not None:
                 break
         self.rivals = self._find_rivals()
         likeliest = max((self.best, *self.rivals), key=self._odds)
@@ -170,7 +173,8 @@ class Search:
         in_more_groups = [p for p in promised if p.hypothesis.groups > best.hypothesis.groups]
         for candidates, count in ((in_groups, 3), (in_more_groups, 1)):
             largest = max((p.log_evidence - best.log_evidence for p in candidates), default=0.0)
-            least = best.log_evidence + max(5.0, (1.0 - _LINEAR_ERROR) * largest - 5.0)
+            near_largest = (1.0 - _LINEAR_ERROR) * largest - _LINEAR_OFFSET
+            least = best.log_evidence + max(_LEAST_PROMISE, near_largest)
             chosen += [p for p in candidates if p.log_evidence > least][:count]
         return self.fits.best_of(chosen, best, best.log_evidence - 2.0 * DECISIVE)
 
@@ -187,7 +191,7 @@ class Search:
         for fit in sorted(better.values(), key=lambda f: -f.log_evidence)[:3]:
             key = fit.hypothesis.key
             if key == best.hypothesis.key:
-                if fit.log_evidence > best.log_evidence + 2.0:
+                if fit.log_evidence > best.log_evidence + _BETTER_FIT:
                     yield fit
             elif key not in self.withdrawn:
                 gain, holdout_gain = self._gains(fit)
@@ -202,28 +206,24 @@ class Search:
         return float(new.log_evidence - self.best.log_evidence), float(holdout_gain)
 
     def fit_exchanges(self) -> list[Fit]:
-        """Fit one or two effects, or further groups, in the place of each part of the best fit.
+        """Leave out each part of the best fit, an effect or a group, and fit others in its place.
 
-        A part is an effect or a group, which may have stood for two effects. To a best fit without
-        parts one or two effects are added. Without the part the linear model may be far wrong, so
-        the best two single effects are fitted whatever they promise. A pair is fitted if it
-        promises more than the best fit and does not have the part.
+        A part may have stood for two effects, so up to two effects take its place; if logs differ
+        in groups, an effect and groups. Without the part the linear model may be far wrong, so two
+        hypotheses with no more effects than the best fit are fitted whatever they promise. A larger
+        one must lack the part and promise more. A best fit without parts is extended.
         """
         best, fits = self.best, []
         count, more_groups = len(best.names), bool(best.hypothesis.groups)
-        parts = self.fits.fewer(best, best.names)
+        parts = self.fits.without_each(best, best.names)
         for fit in parts if parts else [best]:
             promised = promises(fit, self._trials(fit), 1 if more_groups else 2, more_groups)
             part = best.hypothesis.parts - fit.hypothesis.parts
-            single = [p for p in promised if len(p.hypothesis.names) <= count]
-            pairs = [
-                p
-                for p in promised
-                if len(p.hypothesis.names) > count
-                and not (part and part <= p.hypothesis.parts)
-                and p.log_evidence > best.log_evidence + DECISIVE
-            ]
-            chosen = [*single[:2], *pairs[:1]]
+            not_larger = [p for p in promised if len(p.hypothesis.names) <= count]
+            larger = [p for p in promised if len(p.hypothesis.names) > count]
+            without_part = [p for p in larger if not part or not part <= p.hypothesis.parts]
+            likelier = [p for p in without_part if p.log_evidence > best.log_evidence + DECISIVE]
+            chosen = [*not_larger[:2], *likelier[:1]]
             fits += self.fits.best_of(chosen, fit, best.log_evidence - 2.0 * DECISIVE)
         return fits
 
@@ -232,7 +232,7 @@ class Search:
         """Empirical terms beside the base, ranked."""
         return ranked_terms(self.base)
 
-    def is_no_effect(self) -> bool:
+    def is_term_likelier(self) -> bool:
         """Whether a term alone promises more than the best fit and all moves from that fit."""
         best = self.best
         is_excess = best.mean_square > 1.01 + 3.0 * best.scatter or best.random_effects_excess > 5.0

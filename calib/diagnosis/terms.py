@@ -2,8 +2,7 @@
 
 A place is a part of the car, such as the front brakes; a driver is a variable, such as pressure.
 The values of the term at the knots of its driver are a random walk: increments from knot to knot
-are normal, of the size that the logs make most probable. The term describes; it is no physical
-cause.
+are normal, of the size that the logs make most probable. A term is no physical cause.
 
 Every driver is a function of time along a log. So the derivatives of the innovations by short
 pulses in time at a place, once computed, give those by any function of any driver.
@@ -36,7 +35,7 @@ _APART = 10  # distance of two pulses that are tried together [pulses]
 _BEFORE, _AFTER = 0.3, 0.7  # times [s] around the middle of a pulse in which innovations change
 _STEP = 0.02  # height of a pulse [1]
 _FITTED = 2  # number of terms that are fitted
-PLAIN_LOSS = 0.03  # share of a gain by which a term of a single number may gain less [1]
+PLAIN_LOSS = 0.03  # share of the gain that a term of a single number may lack [1]
 
 
 @dataclass(frozen=True)
@@ -107,7 +106,7 @@ def _middles(run: ObservedRun) -> Array:
 def _pulses(fit: Fit, place: str) -> list[Array]:
     """Derivatives (k, n) of the innovations of each log by a term in each of k pulses.
 
-    Pulses that are `_APART` change different innovations and are tried together, as a comb.
+    Pulses at a distance of `_APART` change different innovations, so they are tried together.
     """
     base, effects, collected = fit.base, fit.effects, []
     for run, lag, r in zip(fit.runs, fit.lags, fit.innovations, strict=True):

@@ -21,7 +21,7 @@ from calib.base.arrays import Array
 from calib.base.errors import ModelError
 from calib.car.effects.effects import EmpiricalTerm
 from calib.car.effects.empirical import PLACES
-from calib.diagnosis.explanation.channels import A_X, CHANNELS, DRIFT, STEP, by_channel, thinned
+from calib.diagnosis.explanation.channels import A_X, CHANNELS, SPEED, STEP, by_channel, thinned
 from calib.diagnosis.explanation.fit import Fit
 from calib.diagnosis.replays import Replayed
 from calib.diagnosis.search import DECISIVE, Search
@@ -89,13 +89,12 @@ def _last_closing(search: Search) -> tuple[Replayed, list[Ranked], list[Fit]]:
     """Find the last accepted fit that closes the gap of the replays; the base if none does.
 
     A fit that leaves something must close the share `_LEAST_CLOSED` of the gap; any other fit must
-    not widen the gap. Return its replays, the terms ranked beside it, and, if something is left,
-    the fits with terms.
+    not widen the gap. Return its replays, the ranked terms, and fits with terms for what is left.
     """
-    accepted = [*search.accepted]
+    candidates = search.accepted
     with suppress(ModelError):  # if it cannot be replayed, the last one stays as it was accepted
-        accepted[-1:] = [search.replayed(search.best)]
-    for replayed in reversed(accepted):
+        candidates = [*search.accepted[:-1], search.replayed(search.best)]
+    for replayed in reversed(candidates):
         fit = replayed.fit
         if fit.names and search.widens(replayed):
             continue
@@ -111,8 +110,7 @@ def _last_closing(search: Search) -> tuple[Replayed, list[Ranked], list[Fit]]:
 def _remaining_terms(search: Search, fit: Fit, terms: Sequence[Ranked]) -> list[Fit]:
     """Fit the best of these terms beside a fit if more than noise is left; else return no fit.
 
-    More is left if the innovations are far larger, or if a term is surely more probable, on the
-    hold-outs, too.
+    More is left if innovations are far larger, or a term is surely more probable, on hold-outs too.
     """
     is_surely_left = fit.mean_square > 1.01 + _SURE_SCATTERS * fit.scatter
     if not is_surely_left and terms[0].log_gain < DECISIVE:
@@ -138,8 +136,7 @@ class Unexplained:
     """What is left, with the empirical term that explains most of it.
 
     ``driver`` is the variable with the largest share of the excess: that of the term,
-    `WHEEL_ANGLE`, or `FREQUENCY` for the oscillation. It is `SLIP` if the torque of front brakes is
-    held, which no valve does.
+    `WHEEL_ANGLE`, or `FREQUENCY` for the oscillation. It is `SLIP` if front brakes hold a torque.
     """
 
     place: str  # one of `PLACES`
@@ -198,8 +195,9 @@ def unexplained_of(fit: Fit, with_term: Fit, size: float) -> Unexplained:
     turning, turning_axle = _turning(fit, whitened, excess)
     swing = oscillation_of(whitened, excess)
     holds_front = pressure is not None and PLACES[term.place] != "rear"
+    share_to_exceed = max(explained, _LEAST_SHARE)  # by a driver other than that of the term
     causes = (  # share of the excess, driver, place
-        (max(explained, _LEAST_SHARE), SLIP if holds_front else term.driver, term.place),
+        (share_to_exceed, SLIP if holds_front else term.driver, term.place),
         (turning, WHEEL_ANGLE, term.place),
         (swing.share, FREQUENCY, "body" if swing.body else "brakes"),
     )
@@ -247,7 +245,7 @@ def oscillation_of(whitened: Sequence[Array], excess: float) -> Oscillation:
     return Oscillation(
         frequency=float(np.sum(band @ frequencies[near])) / total,
         share=min(total / excess, 1.0),
-        body=float(np.sum(band[[A_X, DRIFT]])) > 0.5 * total,
+        body=float(np.sum(band[[A_X, SPEED]])) > 0.5 * total,
     )
 
 

@@ -56,9 +56,9 @@ def _within(value: float, low: float | None, high: float | None) -> bool:
 
 
 DEFAULTS: tuple[Limit, ...] = tuple(
-    Limit(key, *metric.stop, metric.required)
+    Limit(key, *metric.validate, metric.required)
     for key, metric in METRICS.items()
-    if metric.stop != MetricLimits()  # the limits of a stop: low, high, warn_low, warn_high
+    if metric.validate != MetricLimits()  # the limits of a stop: low, high, warn_low, warn_high
 )
 """Limits of a stop when the user gives none: an ECU has answers, whose intervals hold the truth.
 How large errors and intervals may be is for the user to limit."""

@@ -58,14 +58,14 @@ def _range(low: float, high: float) -> str:
 def _metric(code: str) -> list[Row]:
     if (metric := METRICS.get(code)) is None:
         return []
-    car, stop = metric.car, metric.stop
+    station, validate = metric.station, metric.validate
     rows = (
         ("metric", metric.heading),
         ("means", metric.meaning),
-        ("fails a car unless", metric.bounds(car.low, car.high)),
-        ("warns of a car unless", metric.bounds(car.warn_low, car.warn_high)),
-        ("fails a stop unless", metric.bounds(stop.low, stop.high)),
-        ("warns of a stop unless", metric.bounds(stop.warn_low, stop.warn_high)),
+        ("station fails it unless", metric.bounds(station.low, station.high)),
+        ("station warns unless", metric.bounds(station.warn_low, station.warn_high)),
+        ("validate fails it unless", metric.bounds(validate.low, validate.high)),
+        ("validate warns unless", metric.bounds(validate.warn_low, validate.warn_high)),
         ("reason", metric.reason),
         ("what to do", metric.action),
     )

@@ -96,7 +96,7 @@ def _check_groups(mdf: Any, counts: dict[int, int], where: str) -> None:
         size = record.samples_byte_nr + getattr(record, "invalidation_bytes_nr", 0)
         if record.cycles_nr * size > RECORDING.max_bytes:
             unpacked = f"its records at byte {record.address} unpack to"
-            raise LogError(RECORDING.too_large(unpacked), where=where)
+            raise LogError(RECORDING.size_message(unpacked), where=where)
         for channel in group.channels:
             if str(mdf.version).startswith("4"):
                 byte, bit = channel.byte_offset, channel.bit_offset

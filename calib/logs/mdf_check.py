@@ -157,7 +157,7 @@ def _check_blocks(data: mmap.mmap, path: Path) -> set[int]:
     if end > size:
         raise _short(path, size, end)
     if unpacked > RECORDING.max_bytes:
-        raise LogError(RECORDING.too_large("its data unpacks to"), where=path)
+        raise LogError(RECORDING.size_message("its data unpacks to"), where=path)
     return visited
 
 

@@ -45,7 +45,7 @@ def open_parquet(data: bytes, where: str, text_format: object = None) -> ColumnS
     groups = (file.metadata.row_group(i) for i in range(file.metadata.num_row_groups))
     unpacked = sum(group.total_byte_size for group in groups)
     if max(unpacked, 8 * file.metadata.num_rows * len(columns)) > LOG.max_bytes:
-        raise LogError(LOG.too_large("it unpacks to"), where=where)
+        raise LogError(LOG.size_message("it unpacks to"), where=where)
 
     def read(indices: Sequence[int]) -> list[Array]:
         for i in indices:

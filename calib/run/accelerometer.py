@@ -25,7 +25,7 @@ from typing import NamedTuple
 import numpy as np
 
 from calib.base.arrays import Array, Mask
-from calib.base.intervals import Mixture, second_differences, weigh_hypotheses
+from calib.base.intervals import Mixture, second_difference_model, weigh_hypotheses
 from calib.base.names import G
 from calib.car.beliefs import SENSOR
 from calib.car.braking import BITE
@@ -185,7 +185,7 @@ def _against_speed(
     """
     white, walk = densities[1] ** 2 / h, (G * densities[0]) ** 2 * h
     columns, usable = differences
-    average, sigma = second_differences(white, walk, (G * h * grade_walk) ** 2 * h)
+    average, sigma = second_difference_model(white, walk, (G * h * grade_walk) ** 2 * h)
     start = np.zeros_like(columns[:1])
     start[0, :2] = -1.0, 1.0  # effect of the noise of the first v, the reference of all others
     rows = recursive_filter(np.concatenate([columns, start]), average)[:, :last] / sigma

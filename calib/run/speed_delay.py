@@ -19,7 +19,7 @@ from functools import cached_property
 import numpy as np
 
 from calib.base.arrays import Array, Mask
-from calib.base.intervals import second_differences, white_noise
+from calib.base.intervals import second_difference_model, white_noise
 from calib.base.names import G
 from calib.car.lag import integral
 from calib.run.driving_record import GREATEST_Z
@@ -137,7 +137,7 @@ class _DelayEvidence:
     def whitening(self) -> tuple[Array, float, Array]:
         """Filter and sigma that make second differences white; basis (k - 2, 2) of v_0 and e."""
         grade = (G * self.length * self.grade_walk) ** 2 * self.length
-        average, sigma = second_differences(*self.noise, grade)
+        average, sigma = second_difference_model(*self.noise, grade)
         # v_0 and e, both unknown, change the usable differences `first` and `first` + 1 alone
         first = int(np.argmax(self.usable))
         changed = np.eye(self.usable.size, 2, -first)

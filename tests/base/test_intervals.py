@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.stats import norm
 
-from calib.base.intervals import likelihood_ratio, noise_over, second_differences, white_noise
+from calib.base.intervals import likelihood_ratio, noise_over, second_difference_model, white_noise
 
 
 def test_second_differences_have_the_variance_of_their_parts():
@@ -15,7 +15,7 @@ def test_second_differences_have_the_variance_of_their_parts():
     x += np.cumsum(np.sqrt(walk) * rng.standard_normal(x.size))
     x += np.cumsum(np.cumsum(np.sqrt(turned) * rng.standard_normal(x.size)))
     differences = np.diff(x, 2)
-    average, sigma = second_differences(white, walk, turned)
+    average, sigma = second_difference_model(white, walk, turned)
     expected_covariance = sigma**2 * np.correlate(average, average, "full")[average.size - 1 :]
     for lag, expected in enumerate(expected_covariance):
         measured = np.mean(differences[lag:] * differences[: differences.size - lag])

@@ -139,8 +139,8 @@ LATE = {
 def test_channels_that_a_bus_sends_late_are_named_as_that_together():
     case, rng = draw("none", 4402), np.random.default_rng(5)
     parts = (case.calibration, case.holdout)
-    logs, held = (tuple(chained(log, LATE, rng) for log in part) for part in parts)
-    diagnosis = diagnosed(replace(case, calibration=logs, holdout=held))
+    calibration, holdout = (tuple(chained(log, LATE, rng) for log in part) for part in parts)
+    diagnosis = diagnosed(replace(case, calibration=calibration, holdout=holdout))
     assert diagnosis.verdict == "named"
     late = {effect.name: effect.parameters for effect in diagnosis.effects}
     delays = ("hydraulic_delay", "speed_delay", "wheel_speed_delay", "accelerometer_lag")
@@ -155,7 +155,7 @@ def test_channels_that_a_bus_sends_late_are_named_as_that_together():
 
 
 def test_logs_that_cannot_give_an_answer_are_refused(drag):
-    logs, held = list(drag.calibration), list(drag.holdout)
+    logs, holdouts = list(drag.calibration), list(drag.holdout)
     larger = replace(drag.vehicle.front, rolling_radius=1.1 * drag.vehicle.front.rolling_radius)
     few = ("coast", "coast_slow")
     coasts = list(draw("single", 11, ("aerodynamic_drag",), severity=1, only=few).calibration)
@@ -165,11 +165,11 @@ def test_logs_that_cannot_give_an_answer_are_refused(drag):
     for vehicle, calibration, holdout, message in (
         (drag.vehicle, logs, [], "no hold-out"),
         (drag.vehicle, logs, [logs[0]], "among the calibration logs"),
-        (drag.vehicle, [*logs, logs[0]], held, "given twice"),
-        (replace(drag.vehicle, front=larger), logs, held, "rolling_radius_f"),
-        (drag.vehicle, logs[:1], held, "two or more"),
-        (drag.vehicle, coasts, held, "nothing is braked"),
-        (drag.vehicle, blind, held, "no reference speed"),
+        (drag.vehicle, [*logs, logs[0]], holdouts, "given twice"),
+        (replace(drag.vehicle, front=larger), logs, holdouts, "rolling_radius_f"),
+        (drag.vehicle, logs[:1], holdouts, "two or more"),
+        (drag.vehicle, coasts, holdouts, "nothing is braked"),
+        (drag.vehicle, blind, holdouts, "no reference speed"),
     ):
         with pytest.raises(LogError, match=message):
             diagnose(vehicle, calibration, holdout)

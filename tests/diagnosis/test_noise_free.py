@@ -30,9 +30,9 @@ def logs(plant: Plant) -> tuple[list[Log], list[Log]]:
 
 @pytest.fixture(scope="module")
 def ideal() -> Diagnosis:
-    calibration, held = logs(IDEAL)
-    assert all(why_not(log, "diagnose") == [] for log in (*calibration, *held))
-    return diagnose(CAR, calibration, held)
+    calibration, holdout = logs(IDEAL)
+    assert all(why_not(log, "diagnose") == [] for log in (*calibration, *holdout))
+    return diagnose(CAR, calibration, holdout)
 
 
 def test_a_car_that_lacks_nothing_has_no_gap(ideal):

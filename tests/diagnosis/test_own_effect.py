@@ -32,11 +32,11 @@ def test_a_flap_of_the_plant_is_named_by_the_effect_of_the_file(tmp_path):
     car = Car(CARS[1], magic(26.0, 1.0, curvature=-0.1), (0.95, 1.05), hidden=hidden)
     names = ("coast", "ramp", "release", "step_high", "stop_a", "stop_b")
     logs = [add_noise(run(car, name, rng), i, NOISE) for i, name in enumerate(names)]
-    (own,) = read_own_effects([file])
-    diagnosis = diagnose(with_own(CARS[1], [own]), logs[:4], logs[4:])
+    (flap,) = read_own_effects([file])
+    diagnosis = diagnose(with_own(CARS[1], [flap]), logs[:4], logs[4:])
     assert diagnosis.verdict == "named"
     assert [effect.name for effect in diagnosis.effects] == ["air_brake_flap"]
     assert diagnosis.effects[0].parameters["flap_area"].value == pytest.approx(AREA, rel=0.1)
     assert diagnosis.effects[0].where.axle == "body"
     assert diagnosis.gap.closed > 0.85
-    assert dict(diagnosis_facts(diagnosis).parts[0].rows)["Cause"] == own.effect.card.cause
+    assert dict(diagnosis_facts(diagnosis).parts[0].rows)["Cause"] == flap.effect.card.cause

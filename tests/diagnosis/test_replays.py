@@ -19,27 +19,27 @@ OFF = {"near": (0.5, 0.1), "far": (2.0, 3.0)}
 @pytest.fixture(scope="module")
 def gap():
     chance = np.random.default_rng(1)
-    measured, before, after = [], [], []
+    measured, replays_before, replays_after = [], [], []
     for name, (first, last) in OFF.items():
         time = np.arange(0.0, 20.0, 0.005)
         smooth = {c: np.sin(0.5 * time) for c in CHANNELS}
         noisy = {c: x + chance.normal(0.0, NOISE, time.size) for c, x in smooth.items()}
         log = Log(name, "", "", {"time": time, **noisy})
         measured.append(log)
-        for logs, error in ((before, first), (after, last)):
+        for logs, error in ((replays_before, first), (replays_after, last)):
             wrong = {c: x + error for c, x in smooth.items()}
             logs.append(replace(log, channels={"time": time} | wrong))
-    return gap_of(before, after, measured)
+    return gap_of(replays_before, replays_after, measured)
 
 
 def test_every_log_and_channel_has_its_own_gap(gap):
     assert gap.logs == tuple(OFF)
     assert gap.noise == pytest.approx(NOISE, rel=0.1)
-    for log, (before, after) in OFF.items():
+    for log, (error_before, error_after) in OFF.items():
         for channel, noise in zip(CHANNELS, gap.noise, strict=True):
             first, last = gap.rms(log, channel)
-            assert noise * first == pytest.approx(before, rel=0.01)
-            assert noise * last == pytest.approx(after, rel=0.02)
+            assert noise * first == pytest.approx(error_before, rel=0.01)
+            assert noise * last == pytest.approx(error_after, rel=0.02)
 
 
 def test_the_gap_of_all_is_the_rms_of_logs_and_channels(gap):

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from calib.base.errors import LogError
+from calib.diagnosis import runs
 from calib.diagnosis.diagnose import diagnose
-from calib.diagnosis.runs import LARGEST, USUAL, checked, unexplained_warnings, with_even_sides
 from calib.logs.log import Log
 from tests.support.explained import diagnosed
 from tests.support.hidden.cases import HiddenCase, draw
@@ -27,9 +27,9 @@ def changed(log: Log, **channels: np.ndarray) -> Log:
     return replace(log, channels=log.channels | channels, digest=f"{log.digest} changed")
 
 
-def refused(case: HiddenCase, logs: list[Log], held: list[Log] | None = None) -> str:
+def refused(case: HiddenCase, logs: list[Log], holdout: list[Log] | None = None) -> str:
     with pytest.raises(LogError) as error:
-        checked(case.vehicle, logs, list(case.holdout) if held is None else held)
+        runs.checked(case.vehicle, logs, list(case.holdout) if holdout is None else holdout)
     return str(error.value)
 
 
@@ -56,10 +56,11 @@ def test_a_copy_of_a_calibration_log_is_no_hold_out(late):
 def test_a_motor_on_the_rear_axle_is_warned_of_where_it_is_not_named():
     case = draw("single", 41, names=("regenerative_torque",), severity=2, only=FIVE)
     assert case.hidden.regen_axle == 1
-    warnings = checked(case.vehicle, list(case.calibration), list(case.holdout))
+    warnings = runs.checked(case.vehicle, list(case.calibration), list(case.holdout))
     assert "axles_swapped" in {warning.code for warning in warnings}
-    assert unexplained_warnings(warnings, unexplained=False, grouped=False) == ()
-    assert set(unexplained_warnings(warnings, unexplained=True, grouped=False)) == set(warnings)
+    assert runs.unexplained_warnings(warnings, unexplained=False, grouped=False) == ()
+    remaining = runs.unexplained_warnings(warnings, unexplained=True, grouped=False)
+    assert set(remaining) == set(warnings)
 
 
 def test_other_mistakes_in_one_log_are_refused_in_the_words_of_check(late):
@@ -85,14 +86,14 @@ def test_a_pressure_of_another_run_is_refused(late):
 
 def test_a_zero_of_the_pressure_is_warned_of_whatever_was_found(late):
     logs = with_(late, "hot", lambda log: changed(log, p_mc=log["p_mc"] + 0.8e5))
-    warnings = checked(late.vehicle, logs, list(late.holdout))
-    remaining = unexplained_warnings(warnings, unexplained=False, grouped=False)
+    warnings = runs.checked(late.vehicle, logs, list(late.holdout))
+    remaining = runs.unexplained_warnings(warnings, unexplained=False, grouped=False)
     assert [(warning.code, warning.log) for warning in remaining] == [("pressure_zero", "hot")]
 
 
 def test_clean_logs_are_not_complained_of():
     case = draw("none", 70)
-    assert checked(case.vehicle, list(case.calibration), list(case.holdout)) == ()
+    assert runs.checked(case.vehicle, list(case.calibration), list(case.holdout)) == ()
 
 
 SWAPPED = ("coast", "ramp", "hot", "mixed")
@@ -121,24 +122,24 @@ def scaled(log, factors):
 
 def test_unlike_radii_of_left_and_right_are_taken_out_and_axles_stay():
     logs = draw("none", 11, only=FIVE[:3]).calibration
-    even, _ = with_even_sides(logs, USUAL)
+    even, _ = runs.with_even_sides(logs, runs.USUAL_DIFFERENCE)
     uneven = [scaled(log, {"fl": 1.0005, "fr": 0.9997, "rr": 1.0006}) for log in logs]
-    again, taken_out = with_even_sides(uneven, USUAL)
+    again, taken_out = runs.with_even_sides(uneven, runs.USUAL_DIFFERENCE)
     for first, second in zip(even, again, strict=True):
         for axle, mean in (("f", np.sqrt(1.0005 * 0.9997)), ("r", np.sqrt(1.0006))):
             for name in (f"omega_{axle}l", f"omega_{axle}r"):
                 assert second[name] == pytest.approx(mean * first[name], rel=1e-9)
     other_way = [scaled(log, {"fl": 0.9997, "fr": 1.0005}) for log in logs]
     # what the sensors themselves differ by is in both, with another sign
-    both = 0.5 * (taken_out + with_even_sides(other_way, USUAL)[1])
-    assert both == pytest.approx(0.0008, abs=2e-6)
+    mean = 0.5 * (taken_out + runs.with_even_sides(other_way, runs.USUAL_DIFFERENCE)[1])
+    assert mean == pytest.approx(0.0008, abs=2e-6)
 
 
 def test_more_than_tyres_make_is_left_in():
     logs = [scaled(log, {"rl": 1.003}) for log in draw("none", 11, only=FIVE[:3]).calibration]
-    for log, even in zip(logs, with_even_sides(logs, USUAL)[0], strict=True):
+    for log, even in zip(logs, runs.with_even_sides(logs, runs.USUAL_DIFFERENCE)[0], strict=True):
         assert np.array_equal(even["omega_rl"], log["omega_rl"])
-    assert with_even_sides(logs, LARGEST)[1] == pytest.approx(0.003, abs=2e-4)
+    assert runs.with_even_sides(logs, runs.LARGEST_DIFFERENCE)[1] == pytest.approx(0.003, abs=2e-4)
 
 
 @pytest.mark.slow

@@ -46,8 +46,8 @@ def test_a_known_effect_is_named_only_where_its_size_is_wrong(share, names):
     """Beside radii that are 0.3 % off."""
     case = draw("single", 12, ("aerodynamic_drag",), severity=1, only=FEW)
     area = case.hidden.drag_area
-    known = Effects({"aerodynamic_drag": {"drag_area": share * area}})
-    car = replace(case.vehicle.with_radii(1.003), effects=known)
+    in_file = Effects({"aerodynamic_drag": {"drag_area": share * area}})
+    car = replace(case.vehicle.with_radii(1.003), effects=in_file)
     best = search_of(replace(case, vehicle=car)).best
     assert best.names == names
     estimate = best.effects.parameters["aerodynamic_drag"]["drag_area"]
@@ -87,8 +87,9 @@ def test_discs_that_begin_unlike_are_told_by_their_fade(hot_stops):
 @pytest.mark.slow
 def test_two_processes_find_what_one_does(pair):
     with parallel_map(2, "calib.diagnosis.search") as mapped:
-        problem, held = (replace(p, mapped=mapped) for p in (pair.problem, pair.holdouts.problem))
-        together = Search(problem, replace(pair.holdouts, problem=held))
+        problem = replace(pair.problem, mapped=mapped)
+        holdout_problem = replace(pair.holdouts.problem, mapped=mapped)
+        together = Search(problem, replace(pair.holdouts, problem=holdout_problem))
         together.run()
     assert together.steps == pair.steps
     assert together.best.state.x == pytest.approx(pair.best.state.x, rel=1e-6, abs=1e-9)

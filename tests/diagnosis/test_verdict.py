@@ -37,10 +37,10 @@ def offset_logs(group: str, shares: list[float], first: int = 0):
 
 @pytest.mark.parametrize("group", list(SIZES))
 def test_each_log_has_its_own_slope_or_zero_and_hold_outs_are_replayed_with_theirs(group):
-    known, held = [0.0, 1.0, -0.5], [0.7, -1.0]
-    problem = asked(SEDAN, offset_logs(group, known))
-    logs = offset_logs(group, held, 7)
-    held_problem = replace(problem, runs=tuple(run_of(log) for log in logs))
+    shares, holdout_shares = [0.0, 1.0, -0.5], [0.7, -1.0]
+    problem = asked(SEDAN, offset_logs(group, shares))
+    logs = offset_logs(group, holdout_shares, 7)
+    holdout_problem = replace(problem, runs=tuple(run_of(log) for log in logs))
     fit = fitted(problem, groups=[group])
     place = RANDOM_EFFECTS.index(group)
     # four standard deviations of a difference of two, of what a log says of it beside its pads
@@ -48,11 +48,12 @@ def test_each_log_has_its_own_slope_or_zero_and_hold_outs_are_replayed_with_thei
     sd = np.sqrt(np.linalg.inv(np.eye(4) + N @ N.T)[3, 3]) * fit.hypothesis.sigmas[place]
     within = 4.0 * np.sqrt(2.0) * float(sd)
     result = fit.state.random_effects[:, place]
-    assert result - result[0] == pytest.approx(SIZES[group] * np.array(known), abs=within)
-    of_holdouts = holdout_effects(held_problem, fit)[:, place]
-    assert of_holdouts - result[0] == pytest.approx(SIZES[group] * np.array(held), abs=within)
-    held_logs, base = HoldOuts(tuple(logs), held_problem), fitted(problem)
-    after, plain = replayed(held_logs, fit, base), replayed(held_logs, base, base)
+    assert result - result[0] == pytest.approx(SIZES[group] * np.array(shares), abs=within)
+    of_holdouts = holdout_effects(holdout_problem, fit)[:, place]
+    expected = SIZES[group] * np.array(holdout_shares)
+    assert of_holdouts - result[0] == pytest.approx(expected, abs=within)
+    holdouts, base = HoldOuts(tuple(logs), holdout_problem), fitted(problem)
+    after, plain = replayed(holdouts, fit, base), replayed(holdouts, base, base)
     assert gap_of(plain.logs, after.logs, logs).closed > 0.5
     assert not np.any(plain.random_effects[:, place])
     assert not np.any(plain.simulated.state.discrepancy)
@@ -63,8 +64,8 @@ def drag_in_calibration_alone():
     """The hold-outs are of the car without drag: a drag that is named would add a gap to them."""
     car = replace(IDEAL, drag_area=0.66)
     logs = [noisy(ramp(car), 1), noisy(stop(car, 30e5), 4)]
-    held = [noisy(stop(IDEAL, 20e5), 3)]
-    return searched(CAR, logs, held)
+    holdouts = [noisy(stop(IDEAL, 20e5), 3)]
+    return searched(CAR, logs, holdouts)
 
 
 def test_an_effect_that_makes_the_hold_outs_worse_is_withdrawn(drag_in_calibration_alone):

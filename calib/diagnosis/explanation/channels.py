@@ -1,7 +1,7 @@
 """Six channels of evidence from a run, and their noise.
 
     a_x          accelerometer                       [m/s^2]
-    v            speed against the integral of a_x   [m/s]     drift of the speed
+    v            speed against its predicted change  [m/s]     drift of the speed
     rim          mean wheel speed against v          [rad/s]   mean slip
     front_rear   front less rear                     [rad/s]   the split: v cancels
     front_sides  left less right, front              [rad/s]
@@ -26,7 +26,7 @@ from calib.diagnosis.explanation.predict import ObservedRun, Prediction
 from calib.run.filters import block_mean, samples_in
 
 CHANNELS = ("a_x", "v", "rim", "front_rear", "front_sides", "rear_sides")
-A_X, DRIFT, FRONT_REAR = (CHANNELS.index(name) for name in ("a_x", "v", "front_rear"))
+A_X, SPEED, FRONT_REAR = (CHANNELS.index(name) for name in ("a_x", "v", "front_rear"))
 
 _OF_WHEELS = np.array(
     [
@@ -61,8 +61,8 @@ def residuals(run: ObservedRun, predicted: Prediction) -> Array:
     """Measured less predicted readings (6, m), as long as the car moves."""
     r = of_wheels(run, run.omega - predicted.omega)
     r[A_X] = thinned(run, run.a_x - predicted.a_x)
-    # with the first speed in it, a constant that the filter of v takes out
-    r[DRIFT] = thinned(run, run.v_read - predicted.speed_gain)
+    # the first speed is still in it: a constant, which the filter of v takes out
+    r[SPEED] = thinned(run, run.v_read - predicted.speed_gain)
     return r
 
 
@@ -98,7 +98,7 @@ def noise_of(unbraked: list[Array], whole: list[Array]) -> ChannelNoise:
     noise = ChannelNoise(coefficients, np.ones(len(CHANNELS)), freedom)
     squares = sum(np.sum(by_channel(whiten(r, noise)) ** 2, axis=1) for r in straight)
     freedoms = np.full(len(CHANNELS), float(freedom))
-    freedoms[DRIFT] = sum(_freedom_of_drift(r.shape[1]) for r in straight)
+    freedoms[SPEED] = sum(_freedom_of_drift(r.shape[1]) for r in straight)
     return replace(noise, sigma=np.maximum(np.sqrt(squares / freedoms), _FLOOR))
 
 
@@ -117,12 +117,13 @@ def _parabola(size: int) -> Array:
 
 
 def _freedom_of_drift(size: int) -> float:
-    """Expected sum of squares of whitened v of ``size`` samples of unit noise, less a parabola [1].
+    """Expected sum of squares [1] of v, if its ``size`` samples are noise of variance 1, whitened.
 
-    A whitened sample is the sum of the responses to all noise samples up to it, so its variance is
-    the sum of their squares. All noise samples but the first have the same response, shifted.
+    A parabola is taken out first. A whitened sample is a sum of the responses to all noise samples
+    up to it, so its variance is the sum of the squared responses. All noise samples but the first
+    have the same response, shifted.
     """
-    first, later = _whitened_drift(np.eye(2, size)) ** 2  # to impulses in samples 0 and 1
+    first, later = _whitened_drift(np.eye(2, size)) ** 2  # squared responses to samples 0 and 1
     of_parabola = np.sum(_whitened_drift(_parabola(size).T) ** 2, axis=0)
     variances = first + np.cumsum(later) - of_parabola
     return float(np.sum(variances[ORDER - 1 :]))
@@ -142,7 +143,7 @@ def whiten(residual: Array, noise: ChannelNoise) -> Array:
     size = residual.shape[-1] - ORDER
     terms = (noise.coefficients[:, k, None] * residual[..., k : k + size] for k in range(ORDER))
     innovations = residual[..., ORDER:] - sum(terms)
-    innovations[..., DRIFT, :] = _whitened_drift(residual[..., DRIFT, :])[..., -size:]
+    innovations[..., SPEED, :] = _whitened_drift(residual[..., SPEED, :])[..., -size:]
     return np.asarray(innovations / noise.sigma[:, None]).reshape(*residual.shape[:-2], -1)
 
 

@@ -232,16 +232,16 @@ def with_columns(fit: Fit, near: Sequence[Array] = ()) -> Fit:
     columns by these elements and by the discrepancy are then taken from ``near``.
     """
     state, m, size = fit.state, fit.state.x.size, fit.state.discrepancy.size  # size is 2 k
-    count = len(near[0]) - size if near else 0  # of the elements of x that ``near`` has
+    reused = len(near[0]) - size if near else 0  # number of elements of x that ``near`` has
     steps = np.where(state.x + _STEP < fit.prior.high[:m], _STEP, -_STEP)
-    moved = [replace(state, x=state.x + step) for step in np.diag(steps)[count:]]
-    by_new = _differences(fit, moved, steps[count:])
-    reused = near if near else _by_discrepancy(fit)
-    has_discrepancy = fit.hypothesis.has_discrepancy  # if False, its columns are zero
-    columns = [
-        np.vstack([J[:count], J_new, has_discrepancy * J[-size:]])
-        for J, J_new in zip(reused, by_new, strict=True)
-    ]
+    moved = [replace(state, x=state.x + step) for step in np.diag(steps)[reused:]]
+    computed = _differences(fit, moved, steps[reused:])
+    columns = []
+    for J_near, J in zip(near if near else _by_discrepancy(fit), computed, strict=True):
+        by_discrepancy = J_near[-size:]
+        if not fit.hypothesis.has_discrepancy:
+            by_discrepancy = np.zeros_like(by_discrepancy)
+        columns.append(np.vstack([J_near[:reused], J, by_discrepancy]))
     if FADE in fit.effects:
         heat = random_derivatives(fit, (unknowns.FRONT_HEAT, unknowns.REAR_HEAT))
     else:
@@ -253,15 +253,16 @@ def with_columns(fit: Fit, near: Sequence[Array] = ()) -> Fit:
 def _by_discrepancy(fit: Fit) -> list[Array]:
     """Derivatives (2 k, n) of the innovations of each log by front and rear discrepancy."""
     derivatives, hats = [], np.eye(DISCREPANCY_FORCES.size)
+    is_front = np.array([[True], [True], [False], [False]])  # by wheel
     for run, prediction in zip(fit.problem.runs, fit.predictions, strict=True):
         forces = prediction.normalised_force
         shares = np.stack(  # (k, 4, n): a value acts with a hat function of the force
             [[np.interp(force, DISCREPANCY_FORCES, hat) for force in forces] for hat in hats]
         )
-        # predicted wheel speeds fall with a discrepancy, so residuals rise: of front, rear wheels
-        omega = np.stack([shares * prediction.slip_speed] * 2)
-        omega[0, :, 2:], omega[1, :, :2] = 0.0, 0.0
-        derivatives.append(whiten(of_wheels(run, np.concatenate(omega)), fit.problem.noise))
+        # predicted wheel speeds fall with a discrepancy, so residuals rise
+        rise = shares * prediction.slip_speed
+        omega = np.concatenate([np.where(is_front, rise, 0.0), np.where(is_front, 0.0, rise)])
+        derivatives.append(whiten(of_wheels(run, omega), fit.problem.noise))
     return derivatives
 
 

@@ -1,9 +1,8 @@
 """Fit a hypothesis to all logs by a few damped Gauss-Newton steps.
 
-The fall of a step is the decrease of the sum of squares of innovations and priors. Where it is less
-than the linear model predicts, a second-order correction follows the curvature that the step
-showed. Each round computes the derivatives anew, since with secant updates the end of a flat valley
-depends on the last digit.
+The fall of a step is the decrease of the sum of squares of innovations and priors. A fall below
+that of the linear model is followed by a second-order correction. Each round computes the
+derivatives anew, since with secant updates the end of a flat valley depends on the last digit.
 """
 
 from collections.abc import Sequence
@@ -19,8 +18,9 @@ from calib.diagnosis.explanation.problem import Problem
 _ROUNDS = 20
 _FIRST_DAMPING, _MAX_DAMPING = 1e-3, 1e4  # shares of the diagonal of the information [1]
 ROUGH, FINE = (2.0, 1e-2), (0.1, 1e-4)
-"""Tolerances of fits that are compared, and of results: a fall in squares, and a share of the
-squares beyond noise. A smaller fall ends a fit. An effect that counts takes 20, and a twentieth."""
+"""Tolerances of fits that are compared, and of results: a fall of the squares, and a fall as a
+share of the squares beyond noise. A fit ends where the fall is below the larger of them. An effect
+that is accepted makes a fall of 20 or more, and of a share of 0.05 or more."""
 _CURVED = 0.5  # fall over the predicted fall below which a step is corrected [1]
 _RIDGE = 1e-12  # added to a scaled information matrix, far above rounding [1]
 _REACH, _REACH_OF_EFFECTS = 0.3, 1.5
@@ -37,8 +37,8 @@ def fit_logs(
 ) -> Fit:
     """Fit a hypothesis from a ``state``; ``near`` are columns nearby, as for `with_columns`.
 
-    The fit ends if the predicted fall is below the ``tolerance``, or if ln of the evidence would
-    stay below ``least`` though all rounds that are left fell as the next one.
+    The fit ends if the predicted fall is below the ``tolerance``. It also ends if ln of its
+    evidence cannot reach ``least``, even if each further round fell as much as the next round.
     """
     prior, m = prior_of(problem, hypothesis), state.x.size
     state = replace(state, x=np.clip(state.x, prior.low[:m] + 1e-6, prior.high[:m] - 1e-6))

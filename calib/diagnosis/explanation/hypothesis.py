@@ -2,8 +2,7 @@
 
 A `Hypothesis` says which of these act, a `State` how large they are. The vector x of a state has
 the base parameters, then an `Element` for each parameter of an effect, then the values of an
-empirical term, a `Walk`. `prior_of` returns the prior of a hypothesis, `base_and_effects` the
-physics of a state.
+empirical term, a `Walk`. `prior_of` gives the prior, `base_and_effects` the physics of a state.
 """
 
 from dataclasses import dataclass, replace

@@ -43,8 +43,7 @@ _EDGE = 0.985  # share of the tyre's peak above which a larger force gives no la
 class ObservedRun(RunHistory):
     """A log on the grid: means over the steps of the grid, shapes (n,), SI.
 
-    In the fields of `RunHistory`, ``v`` and temperatures are smoothed, ``z`` is measured, and
-    energies are zero.
+    Of `RunHistory`, ``v`` and temperatures are smoothed, ``z`` is measured, and energies are zero.
     """
 
     step: float  # of the grid [s]
@@ -166,8 +165,8 @@ def predict(
     slip = np.array([[delayed(run.time, x, wheel_delay) for x in side] for side in slip])
     gain = integral(run.time, -G * z)  # of the true speed since the start
     gain_read = delayed(run.time, gain, combined.reading_delay(effects, "speed_delay"))
-    # the speed at the earlier moment that delayed wheel speeds show
-    v = run.v_read + (delayed(run.time, gain, wheel_delay) - gain_read)
+    gain_at_wheels = delayed(run.time, gain, wheel_delay)
+    v = run.v_read + (gain_at_wheels - gain_read)  # at the moment that the wheel speeds show
     rolling = v / np.array([[car.front.rolling_radius], [car.rear.rolling_radius]])
     omega = _by_wheel(rolling * (1.0 - slip))
     motion = replace(motion, history=history)
@@ -186,7 +185,8 @@ def predict(
 def _lag_of(car: Vehicle, tyre: MagicFormula, run: ObservedRun) -> RunLag:
     """Lag of the wheels of a run, with tyre slopes at a normalised force of z on both axles."""
     axle_load = np.array(axle_loads(car, run.z))  # (2, n)
-    _, slope, _ = tyre.slip_at_force(run.z, 2.0 * axle_load / car.weight, _EDGE)
+    load_ratio = 2.0 * axle_load / car.weight  # of a wheel, over a quarter of the weight
+    _, slope, _ = tyre.slip_at_force(run.z, load_ratio, _EDGE)
     axles = (car.front, car.rear)
     rim_mass = np.array([[axle.wheel_inertia / axle.rolling_radius**2] for axle in axles])  # J/R^2
     tau = rim_mass * run.v / (0.5 * axle_load * slope)  # a wheel has half the load of its axle
@@ -237,7 +237,8 @@ def _slip(
 ) -> Array:
     """Slip [1] of wheels whose tyres have a ``force`` [N] and its rate [N/s], and a load [N]."""
     normalised = force[0] / load
-    slip, slope, past_edge = tyre.slip_at_force(normalised, 4.0 * load / car.weight, _EDGE)
+    load_ratio = 4.0 * load / car.weight  # over a quarter of the weight
+    slip, slope, past_edge = tyre.slip_at_force(normalised, load_ratio, _EDGE)
     if tyre.relaxation == 0.0:
         return slip
     # the slip of a tyre with a relaxation length leads the force

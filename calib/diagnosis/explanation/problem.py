@@ -48,15 +48,14 @@ class Problem:
     def offset_columns(self) -> list[Array]:
         """Derivatives (2, n) of the innovations of each run by its slope [1] and zero [m/s^2].
 
-        The slope is the sine s of the road's angle, uphill positive. v falls by g s t more than by
-        the forces, and a_x, the specific force, does not change (Gillespie, Fundamentals of Vehicle
-        Dynamics, ch. 1).
+        The slope is the sine s of the road's angle, uphill positive. v falls g s t more, but a_x,
+        the specific force, does not change (Gillespie, Fundamentals of Vehicle Dynamics, ch. 1).
         """
         columns = []
         for run in self.runs:
             time = thinned(run, run.time)
             by_offsets = np.zeros((2, len(channels.CHANNELS), time.size))  # of the residuals
-            by_offsets[0, channels.DRIFT] = G * (time - time[0])
+            by_offsets[0, channels.SPEED] = G * (time - time[0])
             by_offsets[1, channels.A_X] = -1.0
             columns.append(whiten(by_offsets, self.noise))
         return columns
@@ -89,6 +88,7 @@ def with_ripple_phase(
         waves[channels.A_X] = pressure * turn
         waves[channels.FRONT_REAR] = (pressure + _COASTING) * turn
         r = residuals(run, predict(vehicle, base, vehicle.effects, run))
+        # residuals that go with -sin(angle + phase) give this sum the angle -phase - pi/2
         ripple = np.sum(whiten(r, noise) * whiten(waves, noise))
         angle_f = run.angle_f - float(np.angle(ripple)) - 0.5 * np.pi
         shifted.append(replace(run, angle_f=angle_f))

@@ -2,7 +2,7 @@
 
 Base parameters describe pads, tyres, radius and clock of the car: the rows of `base.csv`. The value
 of each is middle exp(x) or middle + scale x. Its x is normal about zero; the row has the standard
-deviation and the bounds of x.
+deviation and the bounds of x, but for the clock the standard deviation of the value in samples.
 
 Random effects are states in which the logs of a car differ: pads, tyres on the road of the log, a
 slope, a zero of a_x, heat of the discs. Each is normal about zero and belongs to a group. Its
@@ -57,8 +57,9 @@ RANDOM_EFFECTS = tuple(row["name"] for row in _RANDOM_ROWS)
 GROUPS = tuple(dict.fromkeys(row["group"] for row in _RANDOM_ROWS))
 _FACTOR_ON = {row["name"]: row["factor_on"] for row in _RANDOM_ROWS if row["factor_on"]}
 FACTORS = [RANDOM_EFFECTS.index(name) for name in _FACTOR_ON]
+"""Places of the random effects that are the logarithm of a factor on a base parameter."""
 MULTIPLIED = [BASE_NAMES.index(name) for name in _FACTOR_ON.values()]
-"""Places of random effects that are logarithms of factors, and of the base parameters of these."""
+"""Places of these base parameters, in the same order."""
 _GROUP_OF = np.array([row["group"] for row in _RANDOM_ROWS])
 _ALIKE_SIGMA, _USUAL_SIGMA, _OTHER_SIGMA = (
     np.array([float(row[key]) for row in _RANDOM_ROWS]) for key in ("alike", "usual", "other")
@@ -113,8 +114,7 @@ def base_sigma(sample_time: float) -> Array:
 def random_sigmas(groups: Iterable[str], alike: Iterable[str] = ()) -> Array:
     """Standard deviations (8,) of the random effects.
 
-    Logs differ in ``groups``, are the same in other groups that are ``alike``, and differ as usual
-    in all further groups.
+    Logs differ in ``groups``, are the same in other groups ``alike``, and else differ as usual.
     """
     sigmas = np.where(np.isin(_GROUP_OF, list(alike)), _ALIKE_SIGMA, _USUAL_SIGMA)
     return np.where(np.isin(_GROUP_OF, list(groups)), _OTHER_SIGMA, sigmas)

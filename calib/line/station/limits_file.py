@@ -13,10 +13,10 @@ from calib.line.station.metrics import METRICS as OF_CAR
 
 
 def _limit(figure: str) -> Limit:
-    """Return the default limit of a metric: that of the car, or else that of a stop."""
+    """Return the default limit of a metric: that of the station, or else that of `validate`."""
     metric = METRICS[figure]
-    has_limit = any(end is not None for end in metric.car)
-    return Limit(figure, *(metric.car if has_limit else metric.stop), metric.required)
+    has_limit = any(end is not None for end in metric.station)
+    return Limit(figure, *(metric.station if has_limit else metric.validate), metric.required)
 
 
 _JUDGED = [figure for figure, metric in METRICS.items() if metric.judged]

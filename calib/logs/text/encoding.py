@@ -23,7 +23,7 @@ def gunzip(data: bytes, where: str) -> bytes:
     except (OSError, zlib.error) as cause:
         raise damaged(where, f"the gzip file is damaged: {cause}") from cause
     if len(content) > LOG.max_bytes:
-        raise LogError(LOG.too_large("it unpacks to"), where=where)
+        raise LogError(LOG.size_message("it unpacks to"), where=where)
     return content
 
 

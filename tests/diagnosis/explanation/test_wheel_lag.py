@@ -21,8 +21,8 @@ def test_a_wheel_on_a_stiff_tyre_keeps_the_ripple_of_a_disc(tau):
     """Against 1/(1 + j w T): 14 turns a second, 0.9 rad in a step of 10 ms."""
     t, w = STEP * np.arange(400), 90.0
     exact = np.exp(1j * w * t) / (1.0 + 1j * w * tau)
-    made = followed(tau, 0.0, 30.0, np.sin(w * t))[0, 50:]
-    amplitude = 2.0 * np.mean(made * np.exp(-1j * w * t[50:]))
+    force = followed(tau, 0.0, 30.0, np.sin(w * t))[0, 50:]
+    amplitude = 2.0 * np.mean(force * np.exp(-1j * w * t[50:]))
     assert abs(amplitude) == pytest.approx(np.abs(exact[0]), rel=0.03)
 
 
