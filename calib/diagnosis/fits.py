@@ -85,15 +85,18 @@ class Fits:
 
     def without_each(self, fit: Fit, names: Iterable[str]) -> list[Fit]:
         """Fit without each effect of ``names`` in turn, then without each group of ``fit``."""
-        parts, groups = [], fit.hypothesis.groups
+        parts, groups, runs = [], fit.hypothesis.groups, len(self.problem.runs)
         for name in names:
             others = tuple(n for n in fit.names if n != name)
             # heats of discs act through the fade alone
             part = Hypothesis(others, groups - {"heat"} if name == FADE else groups)
-            parts.append(self._part(fit, part, fit.log_evidence - fit.worth_of(name)))
+            price_saved = fit.hypothesis.price(runs) - part.price(runs)
+            promised = fit.log_evidence - fit.worth_of(name) + price_saved
+            parts.append(self._part(fit, part, promised))
         for group in groups:
             part = Hypothesis(fit.names, groups - {group})
-            parts.append(self._part(fit, part, fit.marginal(sigmas=part.sigmas).evidence()))
+            promised = fit.marginal(sigmas=part.sigmas).evidence() - part.price(runs)
+            parts.append(self._part(fit, part, promised))
         return parts
 
     def _part(self, fit: Fit, part: Hypothesis, promised: float) -> Fit:

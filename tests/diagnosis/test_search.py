@@ -8,6 +8,8 @@ import pytest
 import calib
 from calib.base.processes import parallel_map
 from calib.car.effects.effects import Effects
+from calib.diagnosis.explanation.hypothesis import Hypothesis
+from calib.diagnosis.fits import Fits
 from calib.diagnosis.search import Search
 from calib.logs.log import Log
 from calib.model.sensor_noise import add_noise
@@ -36,6 +38,27 @@ def test_two_effects_are_found_although_a_third_imitates_both(pair):
     assert (pair.steps[0], set(pair.steps[-1])) == ((), set(pair.best.names))
     others = [fit for fit in pair.fits.fitted.values() if set(fit.names) != set(pair.best.names)]
     assert pair.best.log_evidence > max(fit.log_evidence for fit in others)
+
+
+def test_a_part_promises_the_evidence_of_its_fit(pair, monkeypatch):
+    """The linear model is good for a group, and for an effect that is hardly there."""
+    names, promised = pair.best.names, {}
+
+    def is_known(_: Fits, part: Hypothesis, evidence: float) -> bool:
+        promised[part] = evidence
+        return False
+
+    monkeypatch.setattr(Fits, "is_known", is_known)
+    for wider, groups in (((*names, "rolling_resistance"), []), (names, ["slope"])):
+        fit = fitted(pair.problem, wider, groups)
+        (part,) = pair.fits.without_each(fit, wider[len(names) :])
+        assert promised.popitem()[1] == pytest.approx(part.log_evidence, abs=1.5)
+
+
+def test_the_density_of_hold_outs_is_that_of_the_whole_hypothesis(pair):
+    """Pads of this plant are the same in all logs. The best fit, which says so, foresees more."""
+    usual = replace(pair.best, hypothesis=replace(pair.best.hypothesis, alike=frozenset()))
+    assert pair.fits.density(pair.best) > pair.fits.density(usual) + 1.0
 
 
 @pytest.mark.parametrize(

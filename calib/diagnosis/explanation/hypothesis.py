@@ -79,9 +79,9 @@ class Hypothesis:
     has_discrepancy: bool = True  # whether the slip of tyres may depart from its formula
 
     @property
-    def key(self) -> object:
-        """Names in any order, groups and walk: equal for equal explanations."""
-        return frozenset(self.names), self.groups, self.walk
+    def key(self) -> "Hypothesis":
+        """The hypothesis with its names in order, so that equal hypotheses have equal keys."""
+        return replace(self, names=tuple(sorted(self.names)))
 
     @property
     def parts(self) -> frozenset[str]:
