@@ -106,7 +106,7 @@ def without_impossible(
         are_many = np.count_nonzero(masks[m.channel] & inner) > max(FEW * time.size, 1.0)
         if are_many and CHANNELS[m.channel].required:
             samples = f"{m.count} of the {time.size} samples"
-            flaw = f"{m}, beside values that are far away: no car drives {samples}"
+            flaw = f"{m}: {samples} are too large, or too far from their neighbours for any car"
             expected = "values that a car can have one after the other"
             do = "decode the error value of the signal as no value, or cut the log there"
             raise LogError(flaw, where=f"{where}: {m.channel}", expected=expected, do=do)
@@ -179,7 +179,7 @@ def _largest_changes(step: Array, tolerance: float, possible: _Possible) -> tupl
 
 
 _ABSURD = {"Pa": 1e9, "m/s^2": 1e4, "rad/s": 1e5, "m/s": 1e4, "rad": 1e4, "N*m": 1e7, "degC": 1e5}
-"""Values far above every value of a car, even in a wrong unit, by SI unit."""
+"""Values far above every value of a car, even in a wrong unit, by SI unit; or else `LATEST`."""
 
 
 def refuse_absurd(channels: Mapping[str, Array], where: str) -> None:

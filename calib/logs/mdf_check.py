@@ -62,8 +62,8 @@ def check_mdf(path: Path) -> tuple[str, dict[int, int]]:
     """Check all blocks of a file, and count the records of an unfinished file.
 
     Return a note, and the number of records by first byte of the group; both are empty for a
-    finished file. Raises LogError for a file that is not MDF, is cut off or damaged, or
-    cannot be finished.
+    finished file. Raises LogError for a file that is not MDF, is cut off or damaged, or cannot be
+    finished.
     """
     with path.open("rb") as file:
         head = file.read(_HEAD)

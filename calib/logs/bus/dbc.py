@@ -49,7 +49,7 @@ _ON_MESSAGE = re.compile(
     rf'BA_\s+"(?:{"|".join(_LONG_NAMES)})"\s+(?:SG_|BO_)\s+(\d+)'
 )
 _DEFINITION = re.compile(rf'BA_(?:DEF_|DEF_DEF_)?\s.*"(?:{"|".join(_LONG_NAMES)})"')
-"""A later statement on one message or signal; the definition of an attribute for long names."""
+"""`_ON_MESSAGE`: a later statement on a message; `_DEFINITION`: of an attribute for long names."""
 
 
 class FlawedSignal(NamedTuple):

@@ -28,7 +28,7 @@ from calib.logs.source import Recording, damaged
 
 @dataclass
 class _TextState:
-    """What the lines of a text log that were read so far contain."""
+    """Content of those lines of a text log that were read so far."""
 
     path: Path
     frames: int = 0  # number of lines that look like frames
@@ -55,8 +55,8 @@ _BLOCK = re.compile(r"(begin|end)\s+triggerblock", re.IGNORECASE)
 def _with_events(lines: Iterable[str], state: _TextState) -> Iterator[str]:
     """Yield the lines of an ASC log, with one about internal events below its header.
 
-    python-can takes the first line after the header for such a line, and skips it. Raises LogError
-    for relative timestamps.
+    python-can takes the first line after the header for such a line, and skips it. The last mark of
+    a block goes into ``state``. Raises LogError for relative timestamps.
     """
     in_header = True
     for line in lines:
