@@ -193,9 +193,10 @@ def unexplained(diagnosis: Diagnosis) -> str:
     cause = diagnosis.unexplained
     if cause is None:
         return ""
-    explained, driver, place = 100.0 * cause.explained, cause.term.driver, spaced(cause.term.place)
+    explained, term = 100.0 * cause.explained, cause.term
+    driver = _DRIVERS.get(term.driver, f"the {term.driver}")  # may differ from cause.driver
     sentences = [
-        f"an empirical term on the {place} over {_DRIVERS.get(driver, f'the {driver}')} explains "
+        f"an empirical term on the {spaced(term.place)} over {driver} explains "
         f"{explained:.0f} % of the remaining gap: it describes the gap, not its cause"
     ]
     if cause.driver == FREQUENCY:
@@ -238,5 +239,4 @@ def _base(diagnosis: Diagnosis) -> Table:
         (spaced(name), *estimate(x), f"{nominal[name]:g}" if name in nominal else "")
         for name, x in diagnosis.base.items()
     ]
-    heads = ("parameter", "value", "95 % interval", "vehicle file")
-    return Table(heads, rows, _BASE)
+    return Table(("parameter", "value", "95 % interval", "vehicle file"), rows, _BASE)

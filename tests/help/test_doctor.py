@@ -23,7 +23,7 @@ def test_a_missing_package_is_wrong_and_a_missing_extra_is_not(tmp_path, monkeyp
     assert extra.do.endswith("pip install 'brake-cal[mdf]'")
 
 
-def test_the_store(tmp_path):
+def test_a_store_can_be_missing_or_fine_or_a_file(tmp_path):
     store = tmp_path / "tables"
     finding = finding_of(store, "store")
     assert (finding.state, "not there" in finding.text) == (NOTE, True)

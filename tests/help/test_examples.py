@@ -56,7 +56,7 @@ def test_a_block_says_what_it_is_and_why_it_is_not_run(page):
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
-def test_files_in_the_pages_are_good_ones(page):
+def test_toml_and_json_in_the_pages_are_valid(page):
     for example in examples(page):
         if example.language == "toml":
             document = tomllib.loads(example.text)

@@ -59,7 +59,7 @@ def test_links_lead_to_files_and_headings_that_are_there(page):
 
 
 @pytest.mark.parametrize("width", [30, 80, 120])
-def test_a_page_on_a_terminal_is_as_wide_and_has_no_link_or_equation_of_markdown(width):
+def test_a_page_fits_a_terminal_without_links_and_equations_of_markdown(width):
     console = Console(width=width, file=StringIO(), force_terminal=False)
     for page in contents().values():
         console.print(Markdown(for_terminal(page.text)))
@@ -105,7 +105,7 @@ def test_every_effect_is_in_the_gallery_with_the_words_of_its_card():
     assert [name for name, card in cards.items() if card.looks_like[1:] not in text] == []
 
 
-def test_the_pictures_are_those_of_the_page_and_small():
+def test_the_gallery_has_all_its_pictures_and_they_are_small():
     text, pictures = PAGE.read_text(encoding="utf-8"), sorted(PICTURES.iterdir())
     names = sorted(name for name in CATALOGUE if f"/{name}.png" in text)
     assert [picture.stem for picture in pictures] == names

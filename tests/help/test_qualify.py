@@ -20,7 +20,7 @@ from tests.support.documents import missing_and_unknown
 
 
 @pytest.mark.smoke
-def test_every_check_holds_and_the_document_says_with_what():
+def test_every_check_holds_and_the_document_names_the_machine():
     document = json.loads(json.dumps(plain(qualify(SUITE, "2025-03-31")), allow_nan=False))
     assert [check for check in document["checks"] if not check["held"]] == []
     assert missing_and_unknown("qualification-json", document) == []
@@ -30,7 +30,7 @@ def test_every_check_holds_and_the_document_says_with_what():
     assert document["packages"]["numpy"] == np.__version__
 
 
-def test_the_hidden_size_is_that_of_the_answer():
+def test_the_expected_drag_area_is_that_of_the_answer():
     answer = json.loads((sample_logs() / "hidden/case_0/answer.json").read_text())
     hidden = next(check for check in [*SUITE.values()][-1] if check["name"] == "drag_size")
     assert answer["settings"]["cda"] == hidden["expected"]

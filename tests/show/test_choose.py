@@ -18,7 +18,7 @@ def kinds(*arguments):
     return [(sheet.kind, sheet.name) for sheet in sheets(*arguments)]
 
 
-def test_a_table_alone_and_with_its_parents(stored, ramp):
+def test_logs_of_a_fit_are_drawn_with_their_table(stored, ramp):
     assert kinds(stored, []) == [("table", stored.id)]
     assert kinds(stored, [ramp]) == [("table", stored.id)]
     assert kinds(stored, [read_log(SEDAN / "coast.csv")]) == [("log", "coast")]

@@ -17,7 +17,7 @@ def drawn(sedan, transition, stopped):
     return stop.of_validation(stopped, "sedan@1")
 
 
-def test_pad_friction_with_interval_over_that_of_the_ramp(sedan, drawn, stopped):
+def test_pad_friction_and_its_interval_are_drawn_beside_the_ramp_pads(sedan, drawn, stopped):
     e, pads = stopped.estimate, panel(drawn, "pads")
     calibration, pressure = sedan.calibration, np.maximum(e.signals.p_f, 0.0)
     for label, best, ramp in (
@@ -66,7 +66,7 @@ def test_a_stored_result_is_drawn_as_the_stop_that_was_judged(sedan, stopped, dr
     assert width_before > 1.5 * width
 
 
-def test_a_stop_of_which_nothing_is_valid_is_drawn_all_the_same(sedan, transition, stopped):
+def test_a_stop_without_a_valid_sample_is_drawn(sedan, transition, stopped):
     invalid = replace(stopped, estimate=replace(stopped.estimate, unfit=("nothing brakes",)))
     sheet = stop.of_validation(invalid, "sedan@1")
     assert len(sheet.overview().axes) == 5

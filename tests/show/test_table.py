@@ -24,7 +24,7 @@ def test_f1_and_f2_are_those_of_the_table_and_thin_where_no_ramp_measured_them()
         assert not measured.all()
 
 
-def test_what_a_ramp_measured_stands_beside_the_curves(sedan, ramp):
+def test_measured_points_of_a_ramp_are_drawn_over_the_curves(sedan, ramp):
     run = measure(sedan, ramp)
     sheet = figures.table_sheet(sedan, "sedan@1", (run,))
     # a ring is the mean of five blocks of 50 ms
@@ -50,7 +50,7 @@ def test_the_usable_range_is_marked():
     assert grey.end == drawn.xlim[1]
 
 
-def test_the_map_is_drawn_as_the_ratio_of_the_pads_that_it_has(sedan):
+def test_the_drawn_map_has_the_pad_ratios_of_the_table(sedan):
     drawn = panel(figures.table_sheet(sedan, "sedan@1"), "map")
     read = RegularGridInterpolator((*sedan.map.axes.values(),), sedan.map.grid("change"))
     values = drawn.field.values

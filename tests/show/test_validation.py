@@ -59,7 +59,7 @@ def test_without_an_answer_there_is_no_number(ecu):
     ("metric", "proved"),
     [("ecu_normalised_error_f", True), ("ecu_reference_f", True), ("ecu_pad_level", False)],
 )
-def test_the_word_is_not_passed_where_nothing_proves(metric, proved):
+def test_the_verdict_is_passed_only_with_a_truth_or_a_reference(metric, proved):
     facts = facts_of(made_validation("a", **{metric: 1.0}))
     assert facts.word.startswith("Passed") == proved
     assert facts.tables[0].rows[0][-1].startswith("passed") == proved

@@ -27,7 +27,7 @@ def test_on_the_i_curve_both_axles_use_the_same_friction(panel):
     assert (z[0], z[-1]) == pytest.approx((0.0, 1.0))
 
 
-def test_points_of_the_beta_line_decelerate_as_said_and_meet_the_i_curve(panel):
+def test_points_of_the_beta_line_have_their_deceleration_and_meet_the_i_curve(panel):
     # 28.84 cm^2 * 130.9 mm in front, 11.34 cm^2 * 124 mm behind, one pad friction: Table I
     ratio = 11.34 * 124.0 / (28.84 * 130.9)
     (_, end), (_, top) = line(panel, INSTALLED)
