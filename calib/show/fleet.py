@@ -36,12 +36,12 @@ def fleet_facts(summary: Summary) -> Facts:
         for log, outliers in summary.outliers.items()
     ]
     errors = [(x.message, str(x.count), ", ".join(x.logs)) for x in summary.failures]
-    failed = [(log, _limits(keys)) for log, keys in summary.failed.items()]
+    failed = [(log, _limit_names(keys)) for log, keys in summary.failed.items()]
     more = f" and {len(failed) - _FIRST} more" if len(failed) > _FIRST else ""
     first_failed = ", ".join(log for log, _ in failed[:_FIRST]) + more
     failed_row = [("failed", first_failed)] if failed else []
     copies = [f"one recording, counted {len(x)} times: {', '.join(x)}" for x in summary.copies]
-    to_look_at = [metric for metric in metrics if metric.outlying.any()]
+    drawn = [_metric_part(summary, metric) for metric in metrics if metric.outlying.any()]
     verdict = WARNING if summary.outliers or summary.failures else PASSED
     return Facts(
         "Fleet",
@@ -51,7 +51,7 @@ def fleet_facts(summary: Summary) -> Facts:
             ("logs", str(len(summary.logs))),
             *((status, str(count)) for status, count in summary.status.items()),
         ],
-        rows=[*_torque(metrics), *failed_row, *apart[:_FIRST]],
+        rows=[*_torque_row(metrics), *failed_row, *apart[:_FIRST]],
         notes=copies,
         parts=[
             Facts("All that stands apart", rows=apart[:_MOST] if len(apart) > _FIRST else ()),
@@ -63,12 +63,12 @@ def fleet_facts(summary: Summary) -> Facts:
                 ],
             ),
             Facts("All metrics", tables=[Table(_HEADS, list(map(_row, metrics)))]),
-            Facts("Metrics to look at", parts=[_metric(summary, metric) for metric in to_look_at]),
+            Facts("Metrics to look at", parts=drawn),
         ],
     )
 
 
-def _torque(metrics: list[MetricSummary]) -> list[Row]:
+def _torque_row(metrics: list[MetricSummary]) -> list[Row]:
     """Return one row with the relative 95 % half widths of the ECU's torque in the median stop."""
     medians = {metric.column.name: metric.median for metric in metrics}
     halves = [
@@ -79,12 +79,12 @@ def _torque(metrics: list[MetricSummary]) -> list[Row]:
     return [("brake torque (95 %)", ", ".join(halves))] if halves else []
 
 
-def _limits(keys: str) -> str:
+def _limit_names(keys: str) -> str:
     """Return the names of metrics by their ``keys``, which commas separate."""
     return ", ".join(metric_of(key.strip()).name for key in keys.split(",")) if keys else _ALONE
 
 
-def _metric(summary: Summary, metric: MetricSummary) -> Facts:
+def _metric_part(summary: Summary, metric: MetricSummary) -> Facts:
     picture = Picture(f"{metric.name}, log by log.", lambda: metric_sheet(summary, metric))
     return Facts(f"{metric.name} ({metric.column.name})", pictures=[picture])
 

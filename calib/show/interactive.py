@@ -149,7 +149,7 @@ class _Drawing:
         source, names = self.sources[key], []
         for column in values:
             names.append(f"y{len(source.data)}")
-            source.data[names[-1]] = _short(column[points])
+            source.data[names[-1]] = _rounded(column[points])
         return source, names
 
     def _line(self, fig: Any, line: Line) -> tuple[Any, list[str]]:
@@ -215,7 +215,7 @@ def _image(fig: Any, panel: Panel, field: Field) -> None:
     colours = [to_hex(colour) for colour in colormaps[cmap](np.linspace(0.0, 1.0, 64))]
     mapper = LinearColorMapper(colours, low=low, high=high, nan_color="#ffffff")
     place = {"x": left, "y": bottom, "dw": right - left, "dh": top - bottom, "level": "image"}
-    source = ColumnDataSource({"image": [_short(field.values)]})
+    source = ColumnDataSource({"image": [_rounded(field.values)]})
     if field.slider:
         # value = first + step * byte; a byte has more steps than there are colours
         first, last = np.nanmin(field.slices), np.nanmax(field.slices)
@@ -229,7 +229,7 @@ def _image(fig: Any, panel: Panel, field: Field) -> None:
     fig.add_tools(HoverTool(renderers=[image], tags=tags))
 
 
-def _short(values: Array) -> Array:
+def _rounded(values: Array) -> Array:
     """Return values (n,) rounded to 1 part in 4,000, so that they can be packed well."""
     bits = values.astype(np.float32).view(np.uint32)  # the last 12 bits of each become 0
     return ((bits + 0x800) & np.uint32(0xFFFFF000)).view(np.float32)

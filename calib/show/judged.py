@@ -58,7 +58,7 @@ def stop_by_stop(results: Sequence[Validation]) -> tuple[Table, list[str]]:
     return judged(f"The stops{order}. The worst first.", [*by_metric.values()])
 
 
-def word(result: Validation) -> str:
+def verdict_word(result: Validation) -> str:
     """Return the verdict on one log in a word or two."""
     return verdict_words(result.role, result.word, len(result.all_warnings))
 
@@ -98,13 +98,13 @@ def pads(figures: Mapping[str, float | None], axle: str, prefix: str = "") -> st
     return plus_minus(mean, mean * width)
 
 
-def valid(figures: Mapping[str, float | None]) -> str:
+def valid_share(figures: Mapping[str, float | None]) -> str:
     """Return the share of a stop in which the ECU is valid; 0 if the run does not count."""
     share = figures["ecu_valid_share"] if figures["valid_share"] else 0.0
     return metric_of("valid_share").with_unit(share)
 
 
-def broken(judgements: Iterable[Judgement]) -> list[str]:
+def broken_limits(judgements: Iterable[Judgement]) -> list[str]:
     """Return a text for each metric that breaks its limit: its name, its value and the limit."""
     texts = []
     for item in judgements:
@@ -115,7 +115,7 @@ def broken(judgements: Iterable[Judgement]) -> list[str]:
     return texts
 
 
-def warned(titles: Iterable[str]) -> str:
+def warning_note(titles: Iterable[str]) -> str:
     """Return a sentence with the titles of warnings, each once; "" without any."""
     names = ", ".join(dict.fromkeys(titles))
     return f" Warnings, which brake-cal validate explains: {names}." if names else ""

@@ -16,7 +16,7 @@ from calib.estimation.limits import FAILED, PASSED, Judgement
 from calib.estimation.results import SUMMARY
 from calib.estimation.validate import NONE, REFERENCE
 from calib.logs.parquet import numbers, parquet_table
-from calib.show.judged import broken, verdict_words, warned
+from calib.show.judged import broken_limits, verdict_words, warning_note
 from calib.show.torque import ENDS, errors_in
 from calib.store.evidence import CONSISTENT
 
@@ -108,7 +108,7 @@ def _with_summary(result: StoredResult, path: Path, best_valid: Mask) -> StoredR
     table = f" Table {summary['table']}, digest {summary['digest'][:16]}."
     return replace(
         result,
-        note=result.note + table + warned(titles),
-        verdict=(words, *broken(judgements), *error.in_words),
+        note=result.note + table + warning_note(titles),
+        verdict=(words, *broken_limits(judgements), *error.in_words),
         ramp_pads=tuple(summary["ramp_pads"]),
     )

@@ -23,7 +23,7 @@ from calib.estimation.validate import Validation
 from calib.run.filters import true_intervals
 from calib.show import style
 from calib.show.facts import Picture
-from calib.show.judged import broken, warned, word
+from calib.show.judged import broken_limits, verdict_word, warning_note
 from calib.show.map import map_panels
 from calib.show.panel import Line, Mark, Panel
 from calib.show.result import StoredResult
@@ -119,9 +119,9 @@ def of_estimate(estimate: Estimate) -> Sheet:
 def of_validation(result: Validation, name: str = "", vehicle: Vehicle | None = None) -> Sheet:
     """Return the sheet of a stop judged with the table ``name``; ``vehicle`` as in `_stop_of`."""
     stop, table = _stop_of(result.estimate, vehicle), result.estimate.table
-    titles = warned(warning.title for warning in result.all_warnings)
+    titles = warning_note(warning.title for warning in result.all_warnings)
     note = f"Table {name or table.name}, digest {table.digest[:16]}.{titles}"
-    verdict = [word(result), *broken(result.judgements), *errors(result).in_words]
+    verdict = [verdict_word(result), *broken_limits(result.judgements), *errors(result).in_words]
     kind = "stop" if stop.truth is None else "simulation"
     return _sheet(kind, result.log, stop, note, verdict, table)
 
@@ -167,7 +167,7 @@ def _sheet(
     rows = [(panel.name,) * 2 for panel in panels]
     if table is not None:
         panels.append(map_panels(table, {name: stop.on_map})[0])
-        rows[2:] = ("normalised-forces", "map"), ("slip", "map")
+        rows[2:] = ("normalised-forces", "map"), ("slip", "map")  # beside the last two panels
     named = [entry for entry in stop.invalid if entry.duration >= _SHORTEST]
     reasons = ", ".join(f"{entry.duration:.1f}{NBSP}s {entry.reason}" for entry in named)
     grey = f" Grey, no valid answer: {reasons}." if reasons else ""

@@ -24,7 +24,7 @@ from calib.estimation.validate import (
 )
 from calib.show import torque
 from calib.show.facts import FAILED, PASSED, WARNING, WORDS, Facts, Row, Table
-from calib.show.judged import broken, origin, pads, stop_by_stop, valid, word
+from calib.show.judged import broken_limits, origin, pads, stop_by_stop, valid_share, verdict_word
 from calib.show.stop import stops_on_map, torque_and_pads
 from calib.store.evidence import CONSISTENT
 from calib.store.state import DRAFT
@@ -71,7 +71,7 @@ def validation_facts(judged: Validated) -> Facts:
     details = Facts(
         "The ECU beside the best estimate",
         tables=[beside_best(stored, in_order)],
-        rows=[("table", table), ("mass", str(in_order[0].mass)), *_limiting(in_order)],
+        rows=[("table", table), ("mass", str(in_order[0].mass)), *_limitations(in_order)],
         notes=advice_lines(budgets, STOP),
     )
     return Facts(
@@ -97,7 +97,7 @@ def _rows(judged: Validated, results: Sequence[Validation], proof: str) -> list[
     rows = list[Row]()
     budgets = [result.budget for result in results if result.budget]
     for result in results:
-        reasons = [NO_HOLDOUT] if result.role == CALIBRATION else broken(result.judgements)
+        reasons = [NO_HOLDOUT] if result.role == CALIBRATION else broken_limits(result.judgements)
         rows += [(result.log, reason) for reason in reasons]
     if any(result.role == HOLDOUT for result in results):
         has_unused_v = proof == NONE and any("v" in r.estimate.corrected.log for r in results)
@@ -151,10 +151,10 @@ def _next(stored: Stored, results: list[Validation]) -> str:
 
 def by_stop(results: Sequence[Validation]) -> Table:
     """Return a table with the ECU's brake torques in each stop, and their errors."""
-    rows = [
-        (r.log, *torque.ecu_means(r), torque.errors(r).of_axles, valid(r.figures), word(r))
-        for r in results
-    ]
+    rows = []
+    for r in results:
+        share, verdict = valid_share(r.figures), verdict_word(r)
+        rows.append((r.log, *torque.ecu_means(r), torque.errors(r).of_axles, share, verdict))
     heads = ("stop", *torque.HEADS, "error front / rear", "valid", "verdict")
     return Table(heads, rows, verdicts=[PASSED if r.passed else FAILED for r in results])
 
@@ -173,7 +173,7 @@ def _answers(stored: Stored, r: Validation) -> Iterator[Sequence[str]]:
     change = _change(stored, r)
     since = torque.UNKNOWN if change is None else signed_percent(change)
     ecu_pads = [pads(figures, axle, "ecu_") for axle in "fr"]
-    yield "ECU", *torque.means(columns, ecu_valid), *ecu_pads, since, valid(figures)
+    yield "ECU", *torque.means(columns, ecu_valid), *ecu_pads, since, valid_share(figures)
     best = "best, with v" if r.estimate.run.blocks.v is not None else "best, without v"
     best_torques = torque.means(columns, ecu_valid & r.estimate.valid, prefix="")
     best_pads = [pads(figures, axle) for axle in "fr"]
@@ -188,7 +188,7 @@ def _answers(stored: Stored, r: Validation) -> Iterator[Sequence[str]]:
         yield "truth", *true, *true_pads, "", ""
 
 
-def _limiting(results: list[Validation]) -> list[Row]:
+def _limitations(results: list[Validation]) -> list[Row]:
     """Return why samples are not valid, and how the pads of stops on one road differ."""
     rows = [
         (result.log, f"{100.0 * share:.0f} % of the braked samples are not valid: {reason}")
