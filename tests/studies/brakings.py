@@ -78,29 +78,29 @@ class Demand:
         return z * self.mass * G / per_pascal * usual / now
 
 
-def brakings(of: Demand, rng: Rng) -> dict[str, Braking]:
+def brakings(demand: Demand, rng: Rng) -> dict[str, Braking]:
     """Ramp, coast and stops of a car by name.
 
     The ramp rises by 0.12 g/s to three quarters of the peak, 0.72 g at most.
     """
-    top = of.pressure(min(0.75 * of.peak, 0.72))
-    ramp = np.clip((clock(9.0) - 2.0) * of.pressure(0.12), 0.0, top)
+    top = demand.pressure(min(0.75 * demand.peak, 0.72))
+    ramp = np.clip((clock(9.0) - 2.0) * demand.pressure(0.12), 0.0, top)
     return {
-        "ramp": Braking(ramp, 32.0, of.pads),
-        "coast": Braking(np.zeros(clock(25.0).size), 33.0, of.pads),
-        **on_roads(of, rng),
-        **events(of, rng),
+        "ramp": Braking(ramp, 32.0, demand.pads),
+        "coast": Braking(np.zeros(clock(25.0).size), 33.0, demand.pads),
+        **on_roads(demand, rng),
+        **events(demand, rng),
     }
 
 
-def on_roads(of: Demand, rng: Rng) -> dict[str, Braking]:
+def on_roads(demand: Demand, rng: Rng) -> dict[str, Braking]:
     """The stops of `ROADS`: a dry one with the ramp's pads; wet tile and the ramp's road with wet
     pads, which lose alike; basalt with pads unlike; front pads that lost 15 %."""
-    front, rear = of.pads
+    front, rear = demand.pads
     even = rng.uniform
 
     def stop(z: float, v0: float, pads: tuple[float, float], road: Pair, alike: bool) -> Braking:
-        return Braking(held(of.pressure(z, pads)), v0, pads, road, alike)
+        return Braking(held_pressure(demand.pressure(z, pads)), v0, pads, road, alike)
 
     def wet(apart: float) -> tuple[float, float]:
         level = even(0.75, 0.9)
@@ -108,7 +108,7 @@ def on_roads(of: Demand, rng: Rng) -> dict[str, Braking]:
 
     unlike = front * even(0.85, 1.0), rear * even(0.85, 1.1)
     return {
-        "dry": stop(0.5, 28.0, of.pads, (1.05, 1.05), True),
+        "dry": stop(0.5, 28.0, demand.pads, (1.05, 1.05), True),
         "tile": stop(0.2, 16.0, wet(0.02), (even(0.45, 0.65), even(0.28, 0.4)), True),
         "basalt": stop(0.35, 22.0, unlike, (even(0.7, 0.85), even(0.5, 0.65)), False),
         "weak front": stop(0.45, 28.0, (0.85 * front, rear), (1.05, 1.05), False),
@@ -116,30 +116,30 @@ def on_roads(of: Demand, rng: Rng) -> dict[str, Braking]:
     }
 
 
-def events(of: Demand, rng: Rng) -> dict[str, Braking]:
+def events(demand: Demand, rng: Rng) -> dict[str, Braking]:
     """The stops of `WITHIN`."""
-    front, rear = of.pads
+    front, rear = demand.pads
     wet = 0.85 * front, 0.85 * rear
     unlike = 0.25, 0.33
     time = clock(12.0)
-    p_wet, p_unlike = of.pressure(0.4, wet), of.pressure(0.4, unlike)
+    p_wet, p_unlike = demand.pressure(0.4, wet), demand.pressure(0.4, unlike)
     turned = time > rng.uniform(3.0, 4.0)
-    there = (rng.uniform(0.7, 0.85), rng.uniform(0.5, 0.65))
-    here, later = (SAME, there) if rng.random() < 0.5 else (there, SAME)
-    road = tuple(np.where(turned, b, a) for a, b in zip(here, later, strict=True))
+    other_road = (rng.uniform(0.7, 0.85), rng.uniform(0.5, 0.65))
+    road_before, road_after = (SAME, other_road) if rng.random() < 0.5 else (other_road, SAME)
+    road = tuple(np.where(turned, b, a) for a, b in zip(road_before, road_after, strict=True))
     fading = np.interp(time, [1.5, 6.5], [0.35, 0.22])
     steps = np.interp(time, [1.5, 1.6, 2.5, 2.6, 3.5, 3.6, 4.8, 4.9, 6.2, 6.3],
                       [0.0, 0.5, 0.5, 0.9, 0.9, 1.25, 1.25, 0.7, 0.7, 1.05])  # fmt: skip
     stepped = tuple(
-        np.interp(time, [3.5, 3.8], [a, b]) for a, b in zip(of.pads, unlike, strict=True)
+        np.interp(time, [3.5, 3.8], [a, b]) for a, b in zip(demand.pads, unlike, strict=True)
     )
-    rolled = Braking(held(p_wet, 312.0, 301.5), 25.0, wet, rolling=300.0)
+    rolled = Braking(held_pressure(p_wet, 312.0, 301.5), 25.0, wet, rolling=300.0)
     return {
-        "road": Braking(held(of.pressure(0.3, wet)), 25.0, wet, road),
-        "fade": Braking(held(of.pressure(0.45, (0.35, 0.35))), 28.0, (fading, fading)),
+        "road": Braking(held_pressure(demand.pressure(0.3, wet)), 25.0, wet, road),
+        "fade": Braking(held_pressure(demand.pressure(0.45, (0.35, 0.35))), 28.0, (fading, fading)),
         "steps": Braking(steps * p_unlike, 30.0, unlike, alike=False),
-        "step": Braking(held(p_unlike), 28.0, stepped, alike=False),
-        "short": Braking(held(p_wet, start=0.3), 25.0, wet),
+        "step": Braking(held_pressure(p_unlike), 28.0, stepped, alike=False),
+        "short": Braking(held_pressure(p_wet, start=0.3), 25.0, wet),
         "rolled": rolled,
         "drift": replace(rolled, drift=0.001),
     }
@@ -150,6 +150,6 @@ def clock(duration: float) -> Array:
     return STEP * np.arange(round(duration / STEP))
 
 
-def held(pressure: float, duration: float = 12.0, start: float = 1.5) -> Array:
+def held_pressure(pressure: float, duration: float = 12.0, start: float = 1.5) -> Array:
     """A pressure [Pa] held from ``start`` [s] on, where it rises within 0.4 s."""
     return np.clip((clock(duration) - start) / 0.4, 0.0, 1.0) * pressure

@@ -40,7 +40,7 @@ from calib.estimation.estimator import estimate
 from calib.fitting.fit import fit
 from calib.logs.log import Log
 from tests.studies import plant_r
-from tests.studies.brakings import BeyondPeakError, Braking, Demand, brakings, held
+from tests.studies.brakings import BeyondPeakError, Braking, Demand, brakings, held_pressure
 from tests.studies.plant_r import Car, G
 from tests.studies.scored_stop import QUANTITIES, Truth, answer, estimators
 from tests.studies.study import arguments, tabulated
@@ -75,18 +75,18 @@ class Driven:
     groups: dict[str, str]
 
 
-def normal(rng: np.random.Generator, of: Belief) -> float:
+def normal(rng: np.random.Generator, belief: Belief) -> float:
     """A draw of a prior."""
-    return float(rng.normal(of.mean, of.sigma))
+    return float(rng.normal(belief.mean, belief.sigma))
 
 
 def brought(rng: np.random.Generator, name: str, cause: str = "") -> tuple[float, str]:
     """A draw of what a stop brings, and its cause; ``cause`` where it is already known."""
-    of = getattr(STOP, name)
-    case = int(rng.choice(len(of.cases), p=of.share / of.share.sum()))
+    mixture = getattr(STOP, name)
+    case = int(rng.choice(len(mixture.cases), p=mixture.share / mixture.share.sum()))
     if cause:
-        case = of.cases.index(cause)
-    return float(rng.normal(of.mean[case], of.sigma[case])), of.cases[case]
+        case = mixture.cases.index(cause)
+    return float(rng.normal(mixture.mean[case], mixture.sigma[case])), mixture.cases[case]
 
 
 def drawn(rng: np.random.Generator, place: float) -> Car:
@@ -121,53 +121,53 @@ def drawn(rng: np.random.Generator, place: float) -> Car:
 def car_and_runs(rng: np.random.Generator, place: float) -> tuple[Car, Log, Log]:
     """A car, its ramp and its coast; ``place`` as `drawn` has it."""
     while True:
-        of = drawn(rng, place)
-        runs = brakings(Demand(of.vehicle, of.mass, of.pads, of.peak), rng)
+        car = drawn(rng, place)
+        runs = brakings(Demand(car.vehicle, car.mass, car.pads, car.peak), rng)
         with suppress(BeyondPeakError):
-            ramp, coast = (plant_r.drive(of, name, runs[name], rng) for name in ("ramp", "coast"))
-            return of, ramp, coast
+            ramp, coast = (plant_r.drive(car, name, runs[name], rng) for name in ("ramp", "coast"))
+            return car, ramp, coast
 
 
-def stop(rng: np.random.Generator, of: Car, name: str) -> Driven:
+def stop(rng: np.random.Generator, car: Car, name: str) -> Driven:
     """A stop from the list; drawn anew until its road carries it."""
     while True:
         with suppress(BeyondPeakError):
-            return tried_stop(rng, of, name)
+            return tried_stop(rng, car, name)
 
 
-def tried_stop(rng: np.random.Generator, of: Car, name: str) -> Driven:
+def tried_stop(rng: np.random.Generator, car: Car, name: str) -> Driven:
     """As `stop`. Raises BeyondPeakError."""
     change, pads_are = brought(rng, "log_pad_ratio")
     peak, road_is = brought(rng, "log_peak")
     stiff, _ = brought(rng, "log_stiffness", road_is)
     if road_is == "other road":
         stiff += STIFF * (peak - np.log(PEAK))
-        peak -= np.log(of.peak)
+        peak -= np.log(car.peak)
     tyres = [brought(rng, "log_tyre")[0] for _ in "fr"]
     load, mass_is = brought(rng, "log_mass")
     z, level, v0 = rng.uniform(0.08, 0.6), rng.uniform(0.6, 1.1), rng.uniform(14.0, 32.0)
-    pads = of.pads[0] * level * np.exp(0.5 * change), of.pads[1] * level * np.exp(-0.5 * change)
-    unstated = mass_is != "as stated" and of.vehicle.mass_tolerance > WEIGHED
+    pads = car.pads[0] * level * np.exp(0.5 * change), car.pads[1] * level * np.exp(-0.5 * change)
+    unstated = mass_is != "as stated" and car.vehicle.mass_tolerance > WEIGHED
     today = replace(
-        of,
-        tyre_ratio=of.tyre_ratio * float(np.exp(tyres[1] - tyres[0])),
+        car,
+        tyre_ratio=car.tyre_ratio * float(np.exp(tyres[1] - tyres[0])),
         a_x_scale=1.0 / (1.0 - brought(rng, "a_x_scale")[0]),
-        mass=of.vehicle.mass * float(np.exp(load)) if unstated else of.mass,
+        mass=car.vehicle.mass * float(np.exp(load)) if unstated else car.mass,
     )
-    demand = Demand(of.vehicle, of.mass, of.pads, of.peak)
+    demand = Demand(car.vehicle, car.mass, car.pads, car.peak)
     road = float(np.exp(stiff + 0.5 * sum(tyres))), float(np.exp(peak))
-    run = Braking(held(demand.pressure(z, pads)), v0, pads, road)
+    run = Braking(held_pressure(demand.pressure(z, pads)), v0, pads, road)
     log = plant_r.drive(today, name, run, rng)
     more = G * brought(rng, "a_x_offset")[0] * (run.pressure[: log.time.size] > 0.0)
     log = replace(log, channels={**log.channels, "a_x": log["a_x"] - more})
-    carries = float(np.exp(peak)) * of.peak
+    carries = float(np.exp(peak)) * car.peak
     slippery = "peak < .3" if carries < 0.3 else "peak .3-.6" if carries < 0.6 else "peak > .6"
     groups = {
         "road": "ramp's road" if road_is == "as on the ramp" else f"other road, {slippery}",
         "pads": f"pads {pads_are}",
-        "mass": "weighed" if of.vehicle.mass_tolerance <= WEIGHED else
+        "mass": "weighed" if car.vehicle.mass_tolerance <= WEIGHED else
                 "load unstated" if unstated else "mass of the file",
-        "tyre": of.form,
+        "tyre": car.form,
     }  # fmt: skip
     return Driven(log, groups)
 
@@ -176,29 +176,29 @@ def tried(job: Job) -> list[dict[str, float | str]]:
     """Five stops of one car: (seed, car, with or without v)."""
     seed, number, modes = job
     rng = np.random.default_rng([seed, number])
-    of, ramp, coast = car_and_runs(rng, (0.5 + number * GOLDEN) % 1.0)
-    stops = [stop(rng, of, f"stop {i}") for i in range(5)]
+    car, ramp, coast = car_and_runs(rng, (0.5 + number * GOLDEN) % 1.0)
+    stops = [stop(rng, car, f"stop {i}") for i in range(5)]
     out: list[dict[str, float | str]] = []
     for mode in modes:
         hidden = () if mode == "v" else ("v",)
         about: dict[str, float | str] = {"car": f"{seed}:{number}", "v": mode}
         try:
-            table = fit(of.vehicle, [without(log, *hidden) for log in (ramp, coast)])
+            table = fit(car.vehicle, [without(log, *hidden) for log in (ramp, coast)])
         except BrakeCalError as error:
             out += [{**about, "stop": i, "refused": f"fit: {error}"} for i in range(len(stops))]
             continue
-        for i, one in enumerate(stops):
-            frame = estimate(table, without(one.log, *hidden)).to_frame()
-            truth = Truth.of(one.log, of.vehicle)
+        for i, driven in enumerate(stops):
+            frame = estimate(table, without(driven.log, *hidden)).to_frame()
+            truth = Truth.of_stop(driven.log, car.vehicle)
             if not truth.counted.any():
                 continue
             for name, prefix in estimators(frame.columns).items():
-                answers = answer(frame, prefix, of.vehicle)
+                answers = answer(frame, prefix, car.vehicle)
                 z = float(np.median(truth.braking[truth.counted]))
                 deceleration = "< .2 g" if z < 0.2 else ".2-.4 g" if z < 0.4 else "> .4 g"
                 for quantity in QUANTITIES:
                     out.append({**about, "stop": i, "estimator": name, "quantity": quantity,
-                                **one.groups, "deceleration": deceleration,
+                                **driven.groups, "deceleration": deceleration,
                                 **ranked(answers[quantity], truth.quantities[quantity],
                                          truth.counted)})  # fmt: skip
     return out
@@ -224,56 +224,59 @@ def ranked(
 def limits(part: pd.DataFrame, column: str = "held 0.95", draws: int = 400) -> tuple[float, float]:
     """95 % limits of a mean by resampling the cars."""
     by_car = part.groupby("car")[column].agg(["sum", "count"]).to_numpy()
-    at = np.random.default_rng(1).integers(len(by_car), size=(draws, len(by_car)))
-    means = by_car[at, 0].sum(axis=1) / by_car[at, 1].sum(axis=1)
+    drawn_cars = np.random.default_rng(1).integers(len(by_car), size=(draws, len(by_car)))
+    means = by_car[drawn_cars, 0].sum(axis=1) / by_car[drawn_cars, 1].sum(axis=1)
     low, high = np.percentile(means, [2.5, 97.5])
     return float(low), float(high)
 
 
-def printed(found: pd.DataFrame) -> None:
+def printed(rows: pd.DataFrame) -> None:
     """The tables, one for each estimator with and without v."""
-    told = found[found["quantity"].notna()]
-    for (mode, name), part in told.groupby(["v", "estimator"], sort=False):
+    answered = rows[rows["quantity"].notna()]
+    for (mode, name), part in answered.groupby(["v", "estimator"], sort=False):
         stops = part.drop_duplicates(["car", "stop"])
         print(f"\n{name}, {WITH[str(mode)]}: {stops['car'].nunique()} cars, {len(stops)} stops")
         print("          ranks in ten bins, %                 50 %  80 %  95 % (limits)     "
               "error/sigma   rms %  half %")  # fmt: skip
         for quantity in QUANTITIES:
-            of = part[part["quantity"] == quantity]
-            bins = " ".join(f"{100 * of[b].mean():3.0f}" for b in BINS)
-            covers = "  ".join(f"{of[f'held {s}'].mean():4.2f}" for s in LEVELS)
-            low, high = limits(of)
-            mean = of["score"].mean()
-            spread = float(np.sqrt(of["score squared"].mean() - mean**2))
+            chosen = part[part["quantity"] == quantity]
+            bins = " ".join(f"{100 * chosen[b].mean():3.0f}" for b in BINS)
+            covers = "  ".join(f"{chosen[f'held {s}'].mean():4.2f}" for s in LEVELS)
+            low, high = limits(chosen)
+            mean = chosen["score"].mean()
+            spread = float(np.sqrt(chosen["score squared"].mean() - mean**2))
             print(f"{quantity:8} {bins}  {covers} ({low:.2f}-{high:.2f})  {mean:+.2f} +- "
-                  f"{spread:.2f}  {100 * np.sqrt(of['square'].mean()):6.1f} "
-                  f"{100 * of['half'].median():6.1f}")  # fmt: skip
+                  f"{spread:.2f}  {100 * np.sqrt(chosen['square'].mean()):6.1f} "
+                  f"{100 * chosen['half'].median():6.1f}")  # fmt: skip
         if (mode, name) not in GROUPED:
             continue
         print(f"\n{'95 %, by group':24} stops  " + " ".join(f"{q:>6}" for q in QUANTITIES)
               + "   rms/half % front     rear")  # fmt: skip
         for column in ("road", "pads", "deceleration", "mass", "tyre"):
-            for group, of in part.groupby(column):
-                by = of.groupby("quantity")
+            for group, chosen in part.groupby(column):
+                by = chosen.groupby("quantity")
                 covers = " ".join(f"{by['held 0.95'].mean()[q]:6.2f}" for q in QUANTITIES)
                 rms, half = 100 * np.sqrt(by["square"].mean()), 100 * by["half"].median()
                 sharp = "  ".join(f"{rms[q]:5.1f}/{half[q]:4.1f}" for q in ("front", "rear"))
-                print(f"{group:24} {len(of) // len(QUANTITIES):5}  {covers}        {sharp}")
-    if "refused" in found:
-        for text, n in found["refused"].value_counts().items():
+                print(f"{group:24} {len(chosen) // len(QUANTITIES):5}  {covers}        {sharp}")
+    if "refused" in rows:
+        for text, n in rows["refused"].value_counts().items():
             print(f"refused {n} stops: {str(text)[:150]}")
 
 
 def main() -> None:
     """Run the study."""
-    asked = arguments(__doc__, cars=40, seed=5, first=0, jobs=1, only=["v", "n"], keep="", kept=())
-    if asked.kept:
-        printed(pd.concat([pd.read_csv(name) for name in asked.kept]))
+    options = arguments(
+        __doc__, cars=40, seed=5, first=0, jobs=1, only=["v", "n"], keep="", kept=()
+    )
+    if options.kept:
+        printed(pd.concat([pd.read_csv(name) for name in options.kept]))
         return
     jobs: list[Job] = [
-        (asked.seed, i, tuple(asked.only)) for i in range(asked.first, asked.first + asked.cars)
+        (options.seed, i, tuple(options.only))
+        for i in range(options.first, options.first + options.cars)
     ]
-    printed(tabulated(tried, jobs, asked))
+    printed(tabulated(tried, jobs, options))
 
 
 if __name__ == "__main__":

@@ -63,7 +63,7 @@ def costs() -> None:
     print("| numbers | samples | flash bte.c | flash of the data | state | stack | mean | worst |")
     print("|---|---|---|---|---|---|---|---|")
     stored = version("sedan-2up")
-    for told, how in WIDTHS.items():
+    for width, how in WIDTHS.items():
         logs = [read_log(ROOT / "sample_logs" / "sedan" / f"{name}.csv") for name in ON_TARGET]
         runs = {log.name: samples_of(log) for log in logs}
         for seed in range(7) if how.single else ():
@@ -71,10 +71,12 @@ def costs() -> None:
         for name, samples in runs.items():
             with TemporaryDirectory() as folder:
                 write_code(stored, Path(folder, "code"), "ecu", how, logs[0].sample_time)
-                given = samples.astype(f"f{how.floating // 8}")
-                _, bytes_of, instructions = on_target(Path(folder, "code"), given)
+                inputs = samples.astype(f"f{how.floating // 8}")
+                _, bytes_of, instructions = on_target(Path(folder, "code"), inputs)
             row = (*bytes_of, np.mean(instructions), np.max(instructions))
-            print(f"| {told} | {name} |", " | ".join(f"{one:,.0f}" for one in row), "|", flush=True)
+            print(
+                f"| {width} | {name} |", " | ".join(f"{one:,.0f}" for one in row), "|", flush=True
+            )
 
 
 def from_python() -> None:
@@ -90,9 +92,9 @@ def from_python() -> None:
             least = np.maximum(np.abs(right[:, 1:]), 1e-6)
             far, reasons = [], 0
             for how in (Precision(), Precision(single=True)):
-                told = Native(table, step, how).run(samples)
-                far.append(float(np.max(np.abs(told - right)[:, 1:] / least)))
-                reasons += int(np.sum(told[:, 0] != right[:, 0]))
+                answers = Native(table, step, how).run(samples)
+                far.append(float(np.max(np.abs(answers - right)[:, 1:] / least)))
+                reasons += int(np.sum(answers[:, 0] != right[:, 0]))
             valid = int(np.sum(right[:, 0] == Reason.VALID))
             told_far = f"{far[0]:.1e} | {far[1]:.1e}"
             print(f"| {path.stem} | {told_far} | {reasons} | {len(right)}, {valid} valid |")
@@ -100,8 +102,8 @@ def from_python() -> None:
 
 def remarks(code: Path) -> Counter[str]:
     """Count the remarks of cppcheck's addon misra about bte.c, by rule."""
-    told = called(code, "cppcheck --addon=misra --std=c99 --quiet bte.c")
-    return Counter(re.findall(r"\[misra-c2012-([\d.]+)\]", told))
+    output = called(code, "cppcheck --addon=misra --std=c99 --quiet bte.c")
+    return Counter(re.findall(r"\[misra-c2012-([\d.]+)\]", output))
 
 
 def argued() -> bool:

@@ -95,13 +95,13 @@ def write_inputs(home: Path) -> None:
 def chains(home: Path) -> dict[str, list[str]]:
     """The calls by section; those of a section follow each other."""
 
-    def found(*patterns: str) -> list[str]:
+    def paths_of(*patterns: str) -> list[str]:
         paths = [p for pattern in patterns for p in sorted((home / LOGS).glob(pattern))]
         return [path.relative_to(home).as_posix() for path in paths]
 
     cases = {
         Path(path).parent.name: tomllib.loads((home / path).read_text(encoding="utf-8"))["name"]
-        for path in found("hidden/case_*/vehicle.toml")
+        for path in paths_of("hidden/case_*/vehicle.toml")
     }
     template = Environment(
         undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True, autoescape=False
@@ -109,8 +109,8 @@ def chains(home: Path) -> dict[str, list[str]]:
     study = "simulation_study/*.parquet"
     text = template.render(
         cases=cases,
-        driven_again=found("sedan/*.csv", study, "third_party/*.parquet"),
-        mapped=found("sedan/*.csv", study, "third_party/cal*"),
+        driven_again=paths_of("sedan/*.csv", study, "third_party/*.parquet"),
+        mapped=paths_of("sedan/*.csv", study, "third_party/cal*"),
     )
     calls: dict[str, list[str]] = {}
     for line in filter(None, map(str.strip, text.splitlines())):
@@ -138,7 +138,7 @@ def run(call: str, command: list[str], home: Path) -> tuple[str, int]:
     arguments = typed(words, name, home)
     folder = home / name
     folder.mkdir(parents=True)
-    done = subprocess.run(
+    process = subprocess.run(
         [*command, *arguments],
         cwd=home,
         env={k: v for k, v in os.environ.items() if k != "FORCE_COLOR"} | {"NO_COLOR": "1"},
@@ -147,14 +147,14 @@ def run(call: str, command: list[str], home: Path) -> tuple[str, int]:
         timeout=PATIENCE,
         check=False,
     )
-    told = {"arguments": arguments, "exit_code": done.returncode}
-    (folder / "call.json").write_text(json.dumps(told, indent=2) + "\n", encoding="utf-8")
-    if "--json" in arguments and done.stdout:
-        (folder / "stdout.json").write_bytes(done.stdout)
+    outcome = {"arguments": arguments, "exit_code": process.returncode}
+    (folder / "call.json").write_text(json.dumps(outcome, indent=2) + "\n", encoding="utf-8")
+    if "--json" in arguments and process.stdout:
+        (folder / "stdout.json").write_bytes(process.stdout)
     refused = name.startswith("refused/")
-    if b"Traceback" in done.stderr or (done.returncode not in (0, 1) and not refused):
-        print(f"{name} ended with {done.returncode}: {done.stderr[-400:].decode()}")
-    return name, done.returncode
+    if b"Traceback" in process.stderr or (process.returncode not in (0, 1) and not refused):
+        print(f"{name} ended with {process.returncode}: {process.stderr[-400:].decode()}")
+    return name, process.returncode
 
 
 def record(home: Path, command: list[str], jobs: int) -> None:
@@ -187,13 +187,13 @@ NUMBER = re.compile(r"(?<![\w.])[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 def reworded(inputs: frozenset[str]) -> Reword:
     """A text without what is not compared."""
 
-    def known(found: re.Match[str]) -> str:
-        return found[0] if any(digest.startswith(found[0]) for digest in inputs) else "DIGEST"
+    def known_digest(match: re.Match[str]) -> str:
+        return match[0] if any(digest.startswith(match[0]) for digest in inputs) else "DIGEST"
 
     def text(text: str) -> str:
         for pattern, put in MASKED:
             text = pattern.sub(put, text)
-        return DIGEST.sub(known, text)
+        return DIGEST.sub(known_digest, text)
 
     return text
 
@@ -213,9 +213,9 @@ def leaves(value: Any, text: Reword, place: str = "") -> Columns:
         yield f"{place}[]", (f"{len(value)} parts",)
         for i, part in enumerate(value):
             yield from leaves(part, text, f"{place}[{i}]")
-    elif isinstance(value, str) and (found := QUANTITY.fullmatch(value)):
-        yield place, np.array([float(found[1])])
-        yield f"{place} unit", (found[2],)
+    elif isinstance(value, str) and (quantity := QUANTITY.fullmatch(value)):
+        yield place, np.array([float(quantity[1])])
+        yield f"{place} unit", (quantity[2],)
     else:
         yield place, (text(value) if isinstance(value, str) else repr(value),)
 
@@ -238,8 +238,8 @@ def read_parquet(path: Path, text: Reword) -> Columns:
     table = pq.read_table(path)
     yield "columns", tuple(table.column_names)
     for name, of in [("", table.schema), *zip(table.column_names, table.schema, strict=True)]:
-        told = {key.decode(): value.decode() for key, value in (of.metadata or {}).items()}
-        yield from leaves(told, text, f"{name} metadata")
+        metadata = {key.decode(): value.decode() for key, value in (of.metadata or {}).items()}
+        yield from leaves(metadata, text, f"{name} metadata")
     for name, column in zip(table.column_names, table.columns, strict=True):
         yield f"{name} type", (str(column.type), f"{column.null_count} nulls")
         values = column.to_pandas().to_numpy()
@@ -306,32 +306,36 @@ def calls(home: Path) -> set[str]:
     return {p.parent.relative_to(home).as_posix() for p in home.rglob("call.json")}
 
 
-def compare(before: Path, after: Path, tolerance: float) -> int:
+def compare(home_before: Path, home_after: Path, tolerance: float) -> int:
     """Compare two recordings and print what was found; 1 if something differs."""
-    logs = [p for home in (before, after) for p in (home / LOGS).rglob("*") if p.is_file()]
+    logs = [
+        p for home in (home_before, home_after) for p in (home / LOGS).rglob("*") if p.is_file()
+    ]
     inputs = frozenset(hashlib.sha256(path.read_bytes()).hexdigest() for path in logs)
-    ours, theirs = files(before), files(after)
-    alone = sorted(calls(before) ^ calls(after))
+    ours, theirs = files(home_before), files(home_after)
+    alone = sorted(calls(home_before) ^ calls(home_after))
     print(f"calls of one side only, not compared: {', '.join(alone) or 'none'}")
     places: dict[str, list[str]] = {}
     numbers = 0
     for name in sorted({*ours, *theirs}):
         if name.startswith(tuple(f"{call}/" for call in alone)):
             continue
-        told = places.setdefault(name.split("/")[0], [])
+        differences = places.setdefault(name.split("/")[0], [])
         if name not in ours or name not in theirs:
-            told.append(f"{name} in {'BEFORE' if name in ours else 'AFTER'} only")
+            differences.append(f"{name} in {'BEFORE' if name in ours else 'AFTER'} only")
             continue
         left, right = (read(of[name], reworded(inputs)) for of in (ours, theirs))
         for place in {**left, **right}:
             if place not in left or place not in right:
-                told.append(f"{name}: {place} in {'BEFORE' if place in left else 'AFTER'} only")
+                differences.append(
+                    f"{name}: {place} in {'BEFORE' if place in left else 'AFTER'} only"
+                )
                 continue
             numbers += isinstance(left[place], np.ndarray) * len(left[place])
-            if found := difference(left[place], right[place], tolerance):
-                told.append(f"{name}: {place} {found}")
-    for kind, told in places.items():
-        print(f"{kind}: {len(told)} places differ", *told[:SHOWN], sep="\n  ")
+            if text := difference(left[place], right[place], tolerance):
+                differences.append(f"{name}: {place} {text}")
+    for kind, differences in places.items():
+        print(f"{kind}: {len(differences)} places differ", *differences[:SHOWN], sep="\n  ")
     count = sum(map(len, places.values()))
     print(f"{'DIFFERENT' if count else 'EQUAL'}: {count} places differ; {numbers} numbers")
     return int(count > 0)
@@ -349,10 +353,10 @@ def main() -> int:
     comparer.add_argument("before", type=Path, metavar="BEFORE")
     comparer.add_argument("after", type=Path, metavar="AFTER")
     comparer.add_argument("--tolerance", type=float, default=1e-9)
-    asked = parser.parse_args()
-    if asked.what == "compare":
-        return compare(asked.before, asked.after, asked.tolerance)
-    record(asked.dir.absolute(), shlex.split(asked.command), asked.jobs)
+    options = parser.parse_args()
+    if options.what == "compare":
+        return compare(options.before, options.after, options.tolerance)
+    record(options.dir.absolute(), shlex.split(options.command), options.jobs)
     return 0
 
 

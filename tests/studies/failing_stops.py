@@ -194,10 +194,10 @@ def faulty(log: Log, r: np.random.Generator) -> Iterator[tuple[str, str, Log, fl
 def drives(cars: list[Plant], seed: int) -> list[Drive]:
     """Return all drives of all cars."""
     r = np.random.default_rng(seed)
-    made = [(i, kind, s) for i, car in enumerate(cars) for kind, s in scenes(car, r)]
-    logs = run([s for _, _, s in made], seed + 1)
+    drawn_scenes = [(i, kind, s) for i, car in enumerate(cars) for kind, s in scenes(car, r)]
+    logs = run([s for _, _, s in drawn_scenes], seed + 1)
     out = list[Drive]()
-    for (car, kind, s), log in zip(made, logs, strict=True):
+    for (car, kind, s), log in zip(drawn_scenes, logs, strict=True):
         begin = s.abs_from if kind == "ABS" else 0.0
         out.append(Drive(kind, s.name, car, log, begin))
         if kind == "ABS":
@@ -233,10 +233,10 @@ def score(drive: Drive, car: Plant, table: Table, clean: Clean | None) -> tuple[
     fault, and VALID with it. ``clean``: the drive without the fault, None if there is none."""
     log, answer = drive.log, online(table, car.vehicle, drive.log)
     front, rear = frictions(drive, car)
-    valid, taken = answer.valid, answer.step.reason == Reason.IMPLAUSIBLE
+    valid, implausible = answer.valid, answer.step.reason == Reason.IMPLAUSIBLE
     wrong = valid & (is_out(answer.pads_f, front) | is_out(answer.pads_r, rear))
     without = clean or Clean(np.zeros_like(valid), valid)
-    own, usual = wrong & ~without.wrong[: wrong.size], without.valid[: wrong.size]
+    by_fault, usual = wrong & ~without.wrong[: wrong.size], without.valid[: wrong.size]
     braked, late = log["p_mc"] > BRAKED, 0.0 if drive.kind.startswith("clean") else LATE
     during = braked & (log.time > drive.begin + late)
     if drive.kind.startswith("ABS"):
@@ -244,22 +244,22 @@ def score(drive: Drive, car: Plant, table: Table, clean: Clean | None) -> tuple[
     next_stop = min((begin for begin, _ in STOPS if begin > drive.end), default=np.inf)
     after = braked & (log.time > min(drive.end + AGAIN, next_stop))
     masks = (
-        *(during, during & own, during & valid, during & taken),
-        *(after, after & own, after & usual, after & usual & valid),
+        *(during, during & by_fault, during & valid, during & implausible),
+        *(after, after & by_fault, after & usual, after & usual & valid),
     )
     return np.array([x.sum() for x in masks]), Clean(wrong, valid)
 
 
 def main() -> None:
     """Run the study."""
-    asked = arguments(__doc__, "groups", first=300, cars=6, kind=())
-    cars = [drawn(asked.first + i) for i in range(asked.cars)]
+    options = arguments(__doc__, "groups", first=300, cars=6, kind=())
+    cars = [drawn(options.first + i) for i in range(options.cars)]
     ramp = 5.5e5 * np.maximum(np.arange(0.0, 9.5, 1e-3) - 1.5, 0.0)
-    logs = run([Scene(car, 33.0, ramp, name="ramp") for car in cars], asked.first)
+    logs = run([Scene(car, 33.0, ramp, name="ramp") for car in cars], options.first)
     tables = [calib.fit(car.vehicle, [log]) for car, log in zip(cars, logs, strict=True)]
     counts, base = defaultdict[str, Array](lambda: np.zeros(8)), None
-    for drive in drives(cars, asked.first):
-        words = " ".join(asked.kind)
+    for drive in drives(cars, options.first):
+        words = " ".join(options.kind)
         is_base = drive.group in ("nothing odd", "regen")
         if words not in f"{drive.kind} {drive.group}" and not is_base:
             continue
@@ -267,7 +267,7 @@ def main() -> None:
         i = drive.car
         row, answered = score(drive, cars[i], tables[i], base if faults else None)
         base = answered if is_base else base
-        for name in (drive.kind, *([f"{drive.kind}: {drive.group}"] * asked.groups)):
+        for name in (drive.kind, *([f"{drive.kind}: {drive.group}"] * options.groups)):
             counts[name] += row
     print("| drives | braked samples | wrong | VALID | IMPLAUSIBLE | afterwards wrong | VALID |")
     print("|---|---|---|---|---|---|---|")

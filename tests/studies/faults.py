@@ -54,10 +54,10 @@ def place(fault: Fault) -> tuple[str, Path | None]:
     """The file in which the text stands once; what is wrong where there is none."""
     files = [p for top in ("calib", "cli") for p in sorted((fault.tree / top).rglob("*.py"))]
     counts = {path: path.read_text(encoding="utf-8").count(fault.old) for path in files}
-    found = [path for path, n in counts.items() if n]
-    if not found:
+    matching = [path for path, n in counts.items() if n]
+    if not matching:
         return "no such text", None
-    return ("", found[0]) if sum(counts.values()) == 1 else ("several", None)
+    return ("", matching[0]) if sum(counts.values()) == 1 else ("several", None)
 
 
 def tried(fault: Fault) -> tuple[Fault, str, str]:
@@ -90,17 +90,17 @@ def tried(fault: Fault) -> tuple[Fault, str, str]:
 
 def main() -> None:
     """Run the study."""
-    asked = arguments(
+    options = arguments(
         __doc__,
         tree=str(ROOT),
         rows=str(Path(__file__).with_suffix(".toml")),
         jobs=1,
         only=[str(i) for i in range(1, 31)],
     )
-    faults = read(Path(asked.rows), Path(asked.tree).resolve())
-    chosen = [fault for fault in faults if str(fault.number) in asked.only]
+    faults = read(Path(options.rows), Path(options.tree).resolve())
+    chosen = [fault for fault in faults if str(fault.number) in options.only]
     counts: Counter[tuple[str, str]] = Counter()
-    for fault, word, test in carried_out(tried, chosen, asked.jobs):
+    for fault, word, test in carried_out(tried, chosen, options.jobs):
         counts[fault.kind, word] += 1
         print(f"{fault.number:3} {word:12} {fault.new.strip()[:60]:60} {test[:90]}", flush=True)
     for (kind, word), n in sorted(counts.items()):

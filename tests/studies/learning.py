@@ -47,10 +47,10 @@ def runs_of(job: Job) -> tuple[str, Vehicle, list[Log], list[tuple[list[Log], li
     """Name of a car, its file, ramp and coast, and stops to learn from with those held out."""
     folder, seed, number, _ = job
     if folder:
-        of = recorded(Path(folder))
-        logs = [one.log for one in of.stops]
+        case = recorded(Path(folder))
+        logs = [one.log for one in case.stops]
         halves = [(logs[::2], logs[1::2]), (logs[1::2], logs[::2])]
-        return Path(folder).name, of.vehicle, [x for x in (of.ramp, of.coast) if x], halves
+        return Path(folder).name, case.vehicle, [x for x in (case.ramp, case.coast) if x], halves
     rng = np.random.default_rng([seed, number])
     car, ramp, coast = car_and_runs(rng, (0.5 + number * GOLDEN) % 1.0)
     logs = [stop(rng, car, f"stop {i}").log for i in range(LEARNT + HELD_OUT)]
@@ -66,17 +66,17 @@ def tried(job: Job) -> list[Row]:
         for learnt, held_out in parts:
             about: Row = {"car": name, "v": mode}
             try:
-                before = fit(car, [without(log, *hidden) for log in runs])
-                after = fit(car, [without(log, *hidden) for log in (*runs, *learnt)])
+                ramp_table = fit(car, [without(log, *hidden) for log in runs])
+                stops_table = fit(car, [without(log, *hidden) for log in (*runs, *learnt)])
             except BrakeCalError as error:
                 rows.append({**about, "refused": str(error)[:150]})
                 continue
             bounds = {
-                f"bound {x}": np.nan if job[0] else bound(before, x, mode == "v") for x in BEST
+                f"bound {x}": np.nan if job[0] else bound(ramp_table, x, mode == "v") for x in BEST
             }
             rows.append({**about, **bounds})
             for i, log in enumerate(held_out):
-                for what, table in (("ramp", before), ("stops", after)):
+                for what, table in (("ramp", ramp_table), ("stops", stops_table)):
                     rows += scored(table, without(log, *hidden), car, mode, {**about, "stop": i,
                                    "table": what})  # fmt: skip
     return rows
@@ -84,7 +84,7 @@ def tried(job: Job) -> list[Row]:
 
 def scored(table: Table, log: Log, car: Vehicle, mode: str, about: Row) -> list[Row]:
     """Figures of one stop by quantity."""
-    truth = Truth.of(log, car)
+    truth = Truth.of_stop(log, car)
     if not truth.counted.any():
         return []
     answers = answer(estimate(table, log).to_frame(), PREFIX[mode], car)
@@ -193,12 +193,12 @@ def _line(ramp: pd.DataFrame, stops: pd.DataFrame) -> str:
 
 def main() -> None:
     """Run the study."""
-    asked = arguments(__doc__, cars=10, seed=77, jobs=1, only=["v", "n"], logs=(), keep="")
-    only: Sequence[str] = tuple(asked.only)
-    jobs: list[Job] = [(str(f), 0, 0, tuple(only)) for f in folders(asked.logs)] or [
-        ("", asked.seed, i, tuple(only)) for i in range(asked.cars)
+    options = arguments(__doc__, cars=10, seed=77, jobs=1, only=["v", "n"], logs=(), keep="")
+    only: Sequence[str] = tuple(options.only)
+    jobs: list[Job] = [(str(f), 0, 0, tuple(only)) for f in folders(options.logs)] or [
+        ("", options.seed, i, tuple(only)) for i in range(options.cars)
     ]
-    summary(tabulated(tried, jobs, asked))
+    summary(tabulated(tried, jobs, options))
 
 
 if __name__ == "__main__":

@@ -43,9 +43,11 @@ class Mistake:
 
     def line(self, line: Line, runs: tuple[str, ...]) -> Line:
         """The line that it makes of a good one, in some of its runs."""
-        made = {name: self.run(line.runs[name]) for name in runs} if self.run else {}
+        changed = {name: self.run(line.runs[name]) for name in runs} if self.run else {}
         sensors = replace(line.sensors, with_drive=self.with_drive)
-        return replace(line, file=self.file(line.file), runs={**line.runs, **made}, sensors=sensors)
+        return replace(
+            line, file=self.file(line.file), runs={**line.runs, **changed}, sensors=sensors
+        )
 
     def recorded(self, logs: Logs, runs: tuple[str, ...]) -> Logs:
         """The logs of that line, wrong in some of its runs."""
@@ -212,13 +214,13 @@ def rear_held(rng: Rng) -> Mistake:
 
 
 def dragging(rng: Rng) -> Mistake:
-    rest, wheel = float(rng.uniform(2.0, 6.0)) * BAR, str(rng.choice(WHEELS))
+    rest_pressure, wheel = float(rng.uniform(2.0, 6.0)) * BAR, str(rng.choice(WHEELS))
 
     def change(run: Run) -> Run:
-        held: Pressure = lambda t: max(run.pressure(t), rest)  # noqa: E731
-        return replace(run, wheels={**run.wheels, wheel: held})
+        pressure: Pressure = lambda t: max(run.pressure(t), rest_pressure)  # noqa: E731
+        return replace(run, wheels={**run.wheels, wheel: pressure})
 
-    return Mistake(f"{wheel} {rest / BAR:.1f} bar", run=change)
+    return Mistake(f"{wheel} {rest_pressure / BAR:.1f} bar", run=change)
 
 
 def abs_in_ramp(rng: Rng) -> Mistake:
@@ -230,8 +232,8 @@ def abs_in_ramp(rng: Rng) -> Mistake:
 
     def change(run: Run) -> Run:
         most = share * run.pressure(run.duration)
-        held: Pressure = lambda t: min(run.pressure(t), most)  # noqa: E731
-        return replace(run, wheels={"fl": held, "fr": held})
+        limited: Pressure = lambda t: min(run.pressure(t), most)  # noqa: E731
+        return replace(run, wheels={"fl": limited, "fr": limited})
 
     def dipped(x: Array, log: Log) -> Array:
         works = log["p_mc"] > share * log["p_mc"].max()

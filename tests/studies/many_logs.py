@@ -69,11 +69,11 @@ def study(count: int) -> str:
             (folder / "logs" / f"car_{i:06d}.csv").touch()
         words = [sys.executable, "-m", "tests.studies.many_logs", "--run", home]
         assert subprocess.run([*words, str(count // 2)]).returncode == -signal.SIGKILL
-        kept = len(journalled(folder / "out"))
-        said = subprocess.run([*words, "0"], stdout=subprocess.PIPE, check=True).stdout.split()
-        again, seconds, peak = map(float, said)
+        finished = len(journalled(folder / "out"))
+        output = subprocess.run([*words, "0"], stdout=subprocess.PIPE, check=True).stdout.split()
+        again, seconds, peak = map(float, output)
         rows = pq.read_metadata(folder / "out" / "results.parquet").num_rows
-    return f"| {count:,} | {kept:,} | {again:,.0f} | {rows:,} | {seconds:.0f} | {peak:.0f} |"
+    return f"| {count:,} | {finished:,} | {again:,.0f} | {rows:,} | {seconds:.0f} | {peak:.0f} |"
 
 
 if __name__ == "__main__":

@@ -56,7 +56,7 @@ COMMANDS = ("fit", "validate", "station")
 
 
 @dataclass(frozen=True)
-class Said:
+class Outcome:
     """What one command said: exit ``code``, ``refusal`` where it ended with an error.
 
     ``codes`` of its warnings, and of the station's checks that failed or warn; ``causes`` the first
@@ -84,7 +84,7 @@ class Answer:
     ``halves`` of the 95 % intervals of these pads, relative [1].
     """
 
-    said: dict[str, Said]
+    outcomes: dict[str, Outcome]
     pads: dict[str, Pads] = field(default_factory=dict)
     halves: dict[str, Pads] = field(default_factory=dict)
     difference: tuple[np.ndarray, np.ndarray] | None = None
@@ -97,37 +97,37 @@ def answer(vehicle: Vehicle, logs: dict[str, Log], folder: Path) -> Answer:
         write_parquet(replace(log, truth={}), folder / f"{name}.parquet")
     ramp, coast, *stops = (folder / f"{name}.parquet" for name in ("ramp", "coast", *STOPS))
     car, store = ("--vehicle", folder / "vehicle.toml"), ("--store", folder / "tables")
-    said, pads, halves, difference = {}, {}, {}, None
-    said["fit"], document = run("fit", ramp, coast, *car, *store)
+    outcomes, pads, halves, difference = {}, {}, {}, None
+    outcomes["fit"], document = run("fit", ramp, coast, *car, *store)
     if document:
         fitted = [document["calibration"][f"pad_friction_{axle}"] for axle in "fr"]
         pads["ramp"] = tuple(pad["value"] for pad in fitted)
         halves["ramp"] = tuple(Z95 * pad["sigma"] / pad["value"] for pad in fitted)
         curve = Store(folder / "tables").load(vehicle.name).table.difference
         difference = curve.eta, curve.D
-        said["validate"], document = run("validate", vehicle.name, *stops, *store)
+        outcomes["validate"], document = run("validate", vehicle.name, *stops, *store)
         for name, log in zip(STOPS, document.get("logs", ()), strict=False):
             of_stop = tuple(log["figures"][f"pad_friction_{a}"] for a in "fr")
             if None not in of_stop:
                 pads[name] = of_stop
                 halves[name] = tuple(log["figures"][f"interval_{axle}"] for axle in "fr")
     elsewhere = ("--store", folder / "of_station", "--out", folder / "out")
-    said["station"], _ = run("station", ramp, *stops, "--coast", coast, *car, *elsewhere)
-    return Answer(said, pads, halves, difference)
+    outcomes["station"], _ = run("station", ramp, *stops, "--coast", coast, *car, *elsewhere)
+    return Answer(outcomes, pads, halves, difference)
 
 
-def run(*words: object) -> tuple[Said, dict[str, Any]]:
+def run(*words: object) -> tuple[Outcome, dict[str, Any]]:
     """Run one command with ``--json``; what it said, and its document, {} without one."""
     ran = CliRunner().invoke(app, [*map(str, words), "--json"])
     error = ran.exception
     if isinstance(error, BrakeCalError):
-        return Said(error.exit_code, refusal=str(error)), {}
+        return Outcome(error.exit_code, refusal=str(error)), {}
     if error is not None and not isinstance(error, SystemExit):
-        return Said(1, crash="".join(traceback.format_exception(error)[-3:])), {}
+        return Outcome(1, crash="".join(traceback.format_exception(error)[-3:])), {}
     try:
         document = json.loads(ran.stdout)
     except json.JSONDecodeError:
-        return Said(ran.exit_code, refusal=ran.stderr), {}
+        return Outcome(ran.exit_code, refusal=ran.stderr), {}
     warnings = document.get("warnings") or []
     checks = [
         f"{check['figure']} {check['verdict']}"
@@ -144,8 +144,8 @@ def run(*words: object) -> tuple[Said, dict[str, Any]]:
     causes = [cause for warning in warnings for cause in warning["causes"][:2]]
     listed = (document.get("validation") or document).get("unseen", ())
     unseen = {one["entry"]: one["up_to"] for one in listed}
-    told = (*codes, *checks, *failed)
-    return Said(ran.exit_code, "", told, tuple(causes), unseen=unseen), document
+    all_codes = (*codes, *checks, *failed)
+    return Outcome(ran.exit_code, "", all_codes, tuple(causes), unseen=unseen), document
 
 
 Errors = dict[tuple[str, str], float]
@@ -169,8 +169,8 @@ class Row:
     off: tuple[float, float]
     pads: float
     curve: float
-    clean: dict[str, Said]
-    said: dict[str, Said]
+    clean: dict[str, Outcome]
+    outcomes: dict[str, Outcome]
     entries: dict[str, float]
     holds: bool
 
@@ -182,26 +182,31 @@ class Row:
     @property
     def material(self) -> bool:
         """Whether it should have been seen."""
-        ended, before = (
-            any(s.code > 1 or s.crash for s in said.values()) for said in (self.said, self.clean)
+        ended, ended_clean = (
+            any(one.code > 1 or one.crash for one in outcomes.values())
+            for outcomes in (self.outcomes, self.clean)
         )
-        return self.moved or (ended and not before) or KINDS[self.kind].counts
+        return self.moved or (ended and not ended_clean) or KINDS[self.kind].counts
 
     @property
     def caught(self) -> bool:
         """Whether any command said a word."""
-        return any(said.anything for said in self.said.values())
+        return any(outcome.anything for outcome in self.outcomes.values())
 
     @property
     def named(self) -> bool:
         """Whether any command named the cause."""
         words = re.compile(KINDS[self.kind].named, re.IGNORECASE)
-        told = [text for said in self.said.values() for text in (said.refusal, *said.causes)]
-        return any(map(words.search, told))
+        texts = [
+            text
+            for outcome in self.outcomes.values()
+            for text in (outcome.refusal, *outcome.causes)
+        ]
+        return any(map(words.search, texts))
 
     def unseen(self, command: str) -> bool:
         """Whether the command lists each wrong entry as unseen, with at least its error."""
-        listed = self.said[command].unseen
+        listed = self.outcomes[command].unseen
         sizes = (listed.get(entry, 0.0) - abs(error) for entry, error in self.entries.items())
         return bool(self.entries) and min(sizes) >= 0.0
 
@@ -209,7 +214,7 @@ class Row:
         """Whether the command could have seen it."""
         if command == "fit":
             return "ramp" in KINDS[self.kind].runs
-        return command in self.said
+        return command in self.outcomes
 
 
 def tried(job: tuple[int, int, str]) -> Row:
@@ -229,29 +234,31 @@ def tried(job: tuple[int, int, str]) -> Row:
         for run in RUNS
     }
     others = mistake.recorded(others, runs)
-    clean, made = answered(good.file, logs), answered(bad.file, others)
-    before = errors(clean, logs)
+    clean, spoiled = answered(good.file, logs), answered(bad.file, others)
+    clean_errors = errors(clean, logs)
     off = [
         math.expm1(
-            max((abs(e) for (_, side), e in before.items() if side == axle), default=math.nan)
+            max((abs(e) for (_, side), e in clean_errors.items() if side == axle), default=math.nan)
         )
         for axle in "fr"
     ]
-    after = errors(made, others)
-    both = [min(abs(e), abs(e - before[key])) for key, e in after.items() if key in before]
-    pads = math.expm1(max(both, default=0.0))
+    after = errors(spoiled, others)
+    added = [
+        min(abs(e), abs(e - clean_errors[key])) for key, e in after.items() if key in clean_errors
+    ]
+    pads = math.expm1(max(added, default=0.0))
     return Row(
         number,
         name,
         mistake.size,
         tuple(off),
         pads,
-        moved_curve(clean, made),
-        clean.said,
-        made.said,
+        moved_curve(clean, spoiled),
+        clean.outcomes,
+        spoiled.outcomes,
         mistake.entries,
         all(
-            abs(math.expm1(error)) <= made.halves[run]["fr".index(axle)]
+            abs(math.expm1(error)) <= spoiled.halves[run]["fr".index(axle)]
             for (run, axle), error in after.items()
         ),
     )
@@ -264,20 +271,20 @@ def answered(vehicle: Vehicle, logs: dict[str, Log]) -> Answer:
         return answer(vehicle, logs, Path(folder))
 
 
-def errors(of: Answer, logs: dict[str, Log]) -> Errors:
+def errors(answers: Answer, logs: dict[str, Log]) -> Errors:
     """ln of pads over truth by run and axle."""
     return {
         (run, axle): math.log(mu / float(np.mean(logs[run].truth[f"true_mu_pad_{axle}"])))
-        for run, pair in of.pads.items()
+        for run, pair in answers.pads.items()
         for axle, mu in zip("fr", pair, strict=True)
     }
 
 
-def moved_curve(clean: Answer, made: Answer) -> float:
+def moved_curve(clean: Answer, spoiled: Answer) -> float:
     """How far D moved at most, where both tables know it [1]."""
-    if clean.difference is None or made.difference is None:
+    if clean.difference is None or spoiled.difference is None:
         return 0.0
-    (eta, D), (other, moved) = clean.difference, made.difference
+    (eta, D), (other, moved) = clean.difference, spoiled.difference
     common = eta[(eta >= other[0]) & (eta <= other[-1])]
     apart = np.interp(common, eta, D) - np.interp(common, other, moved)
     return float(np.max(np.abs(apart), initial=0.0))
@@ -295,13 +302,13 @@ def report(rows: list[Row]) -> None:
     print_line("all", rows)
     material = [row for row in rows if row.material]
     for text, hits in (
-        *((f"silent in {c}", [not r.said[c].anything for r in material if r.met(c)])
+        *((f"silent in {c}", [not r.outcomes[c].anything for r in material if r.met(c)])
           for c in COMMANDS),
         *((f"silent in {c}, but unseen and named",
-           [r.unseen(c) for r in material if r.met(c) and not r.said[c].anything])
+           [r.unseen(c) for r in material if r.met(c) and not r.outcomes[c].anything])
           for c in COMMANDS),
         *((f"silent in {c}, but within the intervals",
-           [r.holds for r in material if r.met(c) and not r.said[c].anything])
+           [r.holds for r in material if r.met(c) and not r.outcomes[c].anything])
           for c in COMMANDS),
         ("silent in all three", [not r.caught for r in material]),
         ("named", [r.named for r in material]),
@@ -309,7 +316,7 @@ def report(rows: list[Row]) -> None:
     ):  # fmt: skip
         print(f"  {text:44} {share(hits)}")
     for row in material:
-        quiet = [c for c in COMMANDS if row.met(c) and not row.said[c].anything]
+        quiet = [c for c in COMMANDS if row.met(c) and not row.outcomes[c].anything]
         if quiet:
             print(
                 f"  line {row.number}, {row.kind} {row.size}: silent in {', '.join(quiet)}; "
@@ -320,16 +327,16 @@ def report(rows: list[Row]) -> None:
     print(f"  largest error of the pads, front / rear: median {middle[0]:.1f} / {middle[1]:.1f} %, "
           f"95 % below {high[0]:.1f} / {high[1]:.1f} %")  # fmt: skip
     for command in COMMANDS:
-        said = [row.clean[command] for row in rows if command in row.clean]
-        print(f"  {command:9} warned {share([s.code == 0 and s.anything for s in said])}, "
-              f"failed or refused {share([s.code != 0 for s in said])}")  # fmt: skip
-        told = Counter(code for one in said for code in {*one.codes, one.refusal[:90]} - {""})
-        for code, n in told.most_common():
+        outcomes = [row.clean[command] for row in rows if command in row.clean]
+        print(f"  {command:9} warned {share([s.code == 0 and s.anything for s in outcomes])}, "
+              f"failed or refused {share([s.code != 0 for s in outcomes])}")  # fmt: skip
+        counts = Counter(code for one in outcomes for code in {*one.codes, one.refusal[:90]} - {""})
+        for code, n in counts.most_common():
             print(f"    {n:4} {code}")
     for row in rows:
-        for said in (*row.clean.values(), *row.said.values()):
-            if said.crash:
-                print(f"\nline {row.number}, {row.kind} {row.size}, crashed:\n{said.crash}")
+        for outcome in (*row.clean.values(), *row.outcomes.values()):
+            if outcome.crash:
+                print(f"\nline {row.number}, {row.kind} {row.size}, crashed:\n{outcome.crash}")
 
 
 def print_line(name: str, rows: list[Row]) -> None:
@@ -338,22 +345,22 @@ def print_line(name: str, rows: list[Row]) -> None:
     cells = [str(len(rows)), str(sum(row.moved for row in rows)), str(len(material))]
     for command in COMMANDS:
         met = [row for row in material if row.met(command)]
-        cells.append(of(met, lambda row, c=command: not row.said[c].anything))
-    cells += [of(material, lambda row: not row.caught), of(material, lambda row: row.named)]
+        cells.append(ratio(met, lambda row, c=command: not row.outcomes[c].anything))
+    cells += [ratio(material, lambda row: not row.caught), ratio(material, lambda row: row.named)]
     print(f"{name:27}" + "".join(f"{cell:>10}" for cell in cells))
 
 
-def of(rows: list[Row], hit: Callable[[Row], bool]) -> str:
+def ratio(rows: list[Row], hit: Callable[[Row], bool]) -> str:
     """How many of how many."""
     return f"{sum(map(hit, rows))}/{len(rows)}" if rows else "-"
 
 
 def main() -> None:
     """Run the study."""
-    asked = arguments(__doc__, lines=2 * len(KINDS), seed=1, jobs=1, kind=list(KINDS))
-    kinds = asked.kind
-    jobs = [(asked.seed, i, kinds[i % len(kinds)]) for i in range(asked.lines)]
-    rows = list(carried_out(tried, jobs, asked.jobs))
+    options = arguments(__doc__, lines=2 * len(KINDS), seed=1, jobs=1, kind=list(KINDS))
+    kinds = options.kind
+    jobs = [(options.seed, i, kinds[i % len(kinds)]) for i in range(options.lines)]
+    rows = list(carried_out(tried, jobs, options.jobs))
     report(rows)
 
 

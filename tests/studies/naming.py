@@ -94,7 +94,7 @@ class Row:
     seed: int
     truth: str
     outcome: str
-    said: str
+    named: str
     intervals: dict[str, bool]
     seconds: float
 
@@ -104,41 +104,41 @@ def tried(job: Job) -> Row:
     case = draw(job.kind, job.seed, severity=job.severity, unlike_tyres=job.unlike_tyres)
     truth, start = "+".join(sorted(case.effects)) or "nothing", time.perf_counter()
     try:
-        found = diagnose(case.vehicle, list(case.calibration), list(case.holdout))
+        diagnosis = diagnose(case.vehicle, list(case.calibration), list(case.holdout))
     except Exception as error:
         return Row(job.kind, job.seed, truth, "error", repr(error)[:100], {}, 0.0)
     seconds = time.perf_counter() - start
-    said = "+".join(sorted(effect.name for effect in found.effects)) or found.verdict
-    held = intervals(case, found)
-    return Row(job.kind, job.seed, truth, outcome(case, found), said, held, seconds)
+    named = "+".join(sorted(effect.name for effect in diagnosis.effects)) or diagnosis.verdict
+    inside = intervals(case, diagnosis)
+    return Row(job.kind, job.seed, truth, outcome(case, diagnosis), named, inside, seconds)
 
 
-def outcome(case: HiddenCase, found: Diagnosis) -> str:
+def outcome(case: HiddenCase, diagnosis: Diagnosis) -> str:
     """One of the words above."""
-    truth, named = set(case.effects), {effect.name for effect in found.effects}
-    reported = named.union(*(effect.indistinguishable_from for effect in found.effects))
+    truth, named = set(case.effects), {effect.name for effect in diagnosis.effects}
+    reported = named.union(*(effect.indistinguishable_from for effect in diagnosis.effects))
     if case.kind == "outside":
         words = {"unknown": "exact", "ambiguous": "set", "no_gap": "no_gap"}
-        return words.get(found.verdict, "wrong")
-    if found.verdict in ("no_gap", "unknown"):
-        return "exact" if found.verdict == "no_gap" and not truth else found.verdict
-    if found.verdict == "named" and named == truth:
+        return words.get(diagnosis.verdict, "wrong")
+    if diagnosis.verdict in ("no_gap", "unknown"):
+        return "exact" if diagnosis.verdict == "no_gap" and not truth else diagnosis.verdict
+    if diagnosis.verdict == "named" and named == truth:
         return "exact"
     if truth and truth <= reported:
         return "set"
     return "partial" if named < truth else "wrong"
 
 
-def intervals(case: HiddenCase, found: Diagnosis) -> dict[str, bool]:
+def intervals(case: HiddenCase, diagnosis: Diagnosis) -> dict[str, bool]:
     """Whether the 95 % interval of each parameter of a rightly named effect holds the truth."""
-    held = {}
-    for effect in found.effects:
-        for name, told in effect.parameters.items():
+    inside = {}
+    for effect in diagnosis.effects:
+        for name, parameter in effect.parameters.items():
             if effect.name in case.effects and name in PARAMETERS:
-                low, high = told.ci95
+                low, high = parameter.ci95
                 true = PARAMETERS[name](case.hidden)
-                held[f"{effect.name}.{name}"] = bool(low <= true <= high)
-    return held
+                inside[f"{effect.name}.{name}"] = bool(low <= true <= high)
+    return inside
 
 
 def report(rows: list[Row]) -> None:
@@ -146,34 +146,36 @@ def report(rows: list[Row]) -> None:
     print("| hidden | exact, % (95 % limits, n) | wrong, % | median time, worst [s] |")
     print("|---|---|---|---|")
     for kind in dict.fromkeys(row.kind for row in rows):
-        of = [row for row in rows if row.kind == kind]
-        exact, wrong = (share([r.outcome == word for r in of]) for word in ("exact", "wrong"))
-        seconds = [row.seconds for row in of]
+        of_kind = [row for row in rows if row.kind == kind]
+        exact, wrong = (share([r.outcome == word for r in of_kind]) for word in ("exact", "wrong"))
+        seconds = [row.seconds for row in of_kind]
         print(f"| {kind} | {exact} | {wrong} | {np.median(seconds):.1f}, {max(seconds):.1f} |")
-    missed = Counter(f"{r.truth} -> {r.outcome}: {r.said}" for r in rows if r.outcome != "exact")
+    missed = Counter(f"{r.truth} -> {r.outcome}: {r.named}" for r in rows if r.outcome != "exact")
     print("\nnot exact:", *(f"{n:4} x {text}" for text, n in sorted(missed.items())), sep="\n")
-    held: dict[str, list[bool]] = {}
+    inside: dict[str, list[bool]] = {}
     for name, hit in (pair for row in rows for pair in row.intervals.items()):
-        held.setdefault(name, []).append(hit)
-    print(f"\nintervals that hold the truth: {share([x for hits in held.values() for x in hits])}")
-    for name, hits in sorted(held.items()):
+        inside.setdefault(name, []).append(hit)
+    print(
+        f"\nintervals that hold the truth: {share([x for hits in inside.values() for x in hits])}"
+    )
+    for name, hits in sorted(inside.items()):
         print(f"{name}: {sum(hits)} of {len(hits)}")
 
 
 def main() -> None:
     """Run the study."""
-    asked = arguments(
+    options = arguments(
         __doc__, "unlike_tyres", count=21, seed=0, severity=-1, jobs=1, kind=list(KINDS)
     )
-    severity = None if asked.severity < 0 else asked.severity
+    severity = None if options.severity < 0 else options.severity
     jobs = [
-        Job(kind, asked.seed + i, severity, asked.unlike_tyres)
-        for kind in asked.kind
-        for i in range(asked.count)
+        Job(kind, options.seed + i, severity, options.unlike_tyres)
+        for kind in options.kind
+        for i in range(options.count)
     ]
     rows = []
-    for row in carried_out(tried, jobs, asked.jobs):
-        print(f"{row.seed:6} {row.truth}: {row.outcome}, {row.said}", file=sys.stderr, flush=True)
+    for row in carried_out(tried, jobs, options.jobs):
+        print(f"{row.seed:6} {row.truth}: {row.outcome}, {row.named}", file=sys.stderr, flush=True)
         rows.append(row)
     report(rows)
 

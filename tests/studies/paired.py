@@ -48,36 +48,36 @@ COLUMNS = ("car", "tyre", "v", "stop", "number", "estimator", "deceleration", "r
 def tried(job: Job) -> list[Row]:
     """All stops of one car: (folder, seed, number, scatter, within, with or without v)."""
     folder, seed, number, scatter, within, only = job
-    of = recorded(Path(folder)) if folder else drawn(seed, number, scatter, within)
-    about = {"car": Path(folder).name if folder else f"R {seed}.{number}", "tyre": of.tyre}
-    return [{**about, "v": mode, **row} for mode in only for row in stops_of(of, mode)]
+    case = recorded(Path(folder)) if folder else drawn(seed, number, scatter, within)
+    about = {"car": Path(folder).name if folder else f"R {seed}.{number}", "tyre": case.tyre}
+    return [{**about, "v": mode, **row} for mode in only for row in stops_of(case, mode)]
 
 
-def stops_of(of: Case, mode: str) -> Iterator[Row]:
+def stops_of(case: Case, mode: str) -> Iterator[Row]:
     """Fit once, estimate every stop; a refusal is a stop without an answer."""
     hidden = () if mode == "v" else ("v",)
-    runs = [without(log, *hidden) for log in (of.ramp, of.coast) if log]
+    runs = [without(log, *hidden) for log in (case.ramp, case.coast) if log]
     begun = time.process_time()
     try:
-        table = fit(of.vehicle, runs)
+        table = fit(case.vehicle, runs)
     except BrakeCalError as error:
-        for stop in of.stops:
+        for stop in case.stops:
             yield from refused(stop, f"fit: {error}")
         return
     spent = time.process_time() - begun
-    yield {"stop": "ramp", "seconds": spent, **ramp_figures(table, of)}
-    for number, stop in enumerate(of.stops):
+    yield {"stop": "ramp", "seconds": spent, **ramp_figures(table, case)}
+    for number, stop in enumerate(case.stops):
         begun = time.process_time()
         try:
-            found = estimate(table, without(stop.log, *hidden))
+            estimated = estimate(table, without(stop.log, *hidden))
             spent = time.process_time() - begun
         except BrakeCalError as error:
             yield from refused(stop, f"estimate: {error}")
             continue
         about: Row = {"stop": stop.surface, "number": number, "seconds": spent}
-        frame, truth = found.to_frame(), Truth.of(stop.log, of.vehicle)
+        frame, truth = estimated.to_frame(), Truth.of_stop(stop.log, case.vehicle)
         for name, prefix in estimators(frame.columns).items():
-            for figures in scored(frame, prefix, of.vehicle, truth):
+            for figures in scored(frame, prefix, case.vehicle, truth):
                 yield {**about, "estimator": name, **figures}
 
 
@@ -88,19 +88,19 @@ def refused(stop: Stop, why: str) -> Iterator[Row]:
                "answered": 0.0, "valid": 0.0}  # fmt: skip
 
 
-def ramp_figures(table: Table, of: Case) -> Row:
+def ramp_figures(table: Table, case: Case) -> Row:
     """Error of ln of the pads' ratio over the ramp, by the table and by the file, where it is
     known; whether the interval of the table holds it."""
-    truth = of.ramp.truth
+    truth = case.ramp.truth
     if "true_mu_pad_f" not in truth:
         return {}
     apart = np.log(truth["true_mu_pad_f"] / truth["true_mu_pad_r"])
-    true = np.mean(apart[of.ramp["p_mc"] > BITE])
-    filed = np.log(of.vehicle.front.pad_friction / of.vehicle.rear.pad_friction)
-    found = table.calibration.pad_log_ratio
-    low, high = found.ci95
+    true = np.mean(apart[case.ramp["p_mc"] > BITE])
+    filed = np.log(case.vehicle.front.pad_friction / case.vehicle.rear.pad_friction)
+    fitted = table.calibration.pad_log_ratio
+    low, high = fitted.ci95
     return {
-        "ramp error": float(filed + found.value - true),
+        "ramp error": float(filed + fitted.value - true),
         "file error": float(filed - true),
         "ramp held": float(low <= true - filed <= high),
     }
@@ -110,13 +110,13 @@ def summary(part: pd.DataFrame) -> str:
     """One line of figures of a group."""
     rms = 100.0 * np.sqrt(part[[f"square {q}" for q in ("front", "rear", "torque")]].mean())
     half = 100.0 * part[["half front", "half rear"]].median()
-    held = part[[f"held {q}" for q in ("level", "ratio", "front", "rear", "torque")]].mean()
+    coverage = part[[f"held {q}" for q in ("level", "ratio", "front", "rear", "torque")]].mean()
     within = part[["held valid front", "held valid rear"]].mean()
     return (
         f"{len(part):5} {part['answered'].mean():5.2f} {part['valid'].mean():5.2f}  "
         f"{'/'.join(f'{x:.1f}' for x in rms[:2]):>9} {rms.iloc[2]:5.1f}  "
         f"{'/'.join(f'{x:.1f}' for x in half):>9}  "
-        f"{' '.join(share(x) for x in held)}  {'/'.join(map(share, within)):>9}"
+        f"{' '.join(share(x) for x in coverage)}  {'/'.join(map(share, within)):>9}"
     )
 
 
@@ -154,10 +154,10 @@ def printed(rows: pd.DataFrame) -> None:
             if len(of):
                 print(f"{group:23} {summary(of)}")
     for mode, part in rows.groupby("v", sort=False):
-        told(str(mode), part)
+        print_totals(str(mode), part)
 
 
-def told(mode: str, rows: pd.DataFrame) -> None:
+def print_totals(mode: str, rows: pd.DataFrame) -> None:
     """What is said once: the ratio of the ramp, refusals, seconds."""
     ramps = rows[rows["stop"] == "ramp"]
     print(f"\n{WITH[mode]}:")
@@ -174,45 +174,49 @@ def told(mode: str, rows: pd.DataFrame) -> None:
         print(f"  refused {n}: {str(text)[:160]}")
 
 
-def compared(rows: pd.DataFrame, before: pd.DataFrame) -> None:
+def compared(rows: pd.DataFrame, theirs: pd.DataFrame) -> None:
     """Rms of ours, of the other program's, and their quotient, on the stops of both."""
     squares = [f"square {q}" for q in ("front", "rear", "torque")]
     for name in rows["estimator"].dropna().unique():
         ours = rows[rows["estimator"] == name]
-        both = ours.merge(before[before["estimator"] == "today"], on=["car", "stop",
+        merged = ours.merge(theirs[theirs["estimator"] == "today"], on=["car", "stop",
                           "number", "v", "deceleration"], suffixes=("", " before"))  # fmt: skip
-        both = both.dropna(subset=[f"square front{end}" for end in ("", " before")])
-        for mode, part in both.groupby("v", sort=False):
+        merged = merged.dropna(subset=[f"square front{end}" for end in ("", " before")])
+        for mode, part in merged.groupby("v", sort=False):
             print(f"\n{name} over the other program, {WITH[mode]}: "
                   "rms % f/r total, the other's, quotient")  # fmt: skip
-            for group, of in groups(part):
-                if len(of):
+            for group, rows_of_group in groups(part):
+                if len(rows_of_group):
                     now, then = (
-                        100 * np.sqrt(of[[f"{s}{end}" for s in squares]].mean().to_numpy())
+                        100
+                        * np.sqrt(rows_of_group[[f"{s}{end}" for s in squares]].mean().to_numpy())
                         for end in ("", " before")
                     )
                     three = ["/".join(f"{x:.1f}" for x in y) for y in (now, then)]
                     quotient = "/".join(f"{x:.2f}" for x in now / then)
-                    print(f"{group:23} {len(of):4} {three[0]:>14} {three[1]:>14} {quotient:>15}")
+                    print(
+                        f"{group:23} {len(rows_of_group):4} "
+                        f"{three[0]:>14} {three[1]:>14} {quotient:>15}"
+                    )
 
 
 def main() -> None:
     """Run the study."""
-    asked = arguments(__doc__, "within", cars=12, seed=11, scatter=1.0, jobs=1, only=["v", "n"],
+    options = arguments(__doc__, "within", cars=12, seed=11, scatter=1.0, jobs=1, only=["v", "n"],
                       logs=(), keep="", beside="")  # fmt: skip
-    only = tuple(asked.only)
-    jobs: list[Job] = [(str(f), 0, 0, 1.0, False, only) for f in folders(asked.logs)] or [
-        ("", asked.seed, i, asked.scatter, asked.within, only) for i in range(asked.cars)
+    only = tuple(options.only)
+    jobs: list[Job] = [(str(f), 0, 0, 1.0, False, only) for f in folders(options.logs)] or [
+        ("", options.seed, i, options.scatter, options.within, only) for i in range(options.cars)
     ]
-    found = [row for part in carried_out(tried, jobs, asked.jobs) for row in part]
-    rows = pd.DataFrame(found).reindex(columns=list(dict.fromkeys([*COLUMNS, *chain(*found)])))
-    if asked.keep:
-        rows.to_csv(asked.keep, index=False)
-    one_road = asked.logs and rows["car"].nunique() > 1
+    figures = [row for part in carried_out(tried, jobs, options.jobs) for row in part]
+    rows = pd.DataFrame(figures).reindex(columns=list(dict.fromkeys([*COLUMNS, *chain(*figures)])))
+    if options.keep:
+        rows.to_csv(options.keep, index=False)
+    one_road = options.logs and rows["car"].nunique() > 1
     rows["group"] = rows["car" if one_road else "stop"]
     printed(rows)
-    if asked.beside:
-        compared(rows, pd.read_csv(asked.beside))
+    if options.beside:
+        compared(rows, pd.read_csv(options.beside))
 
 
 if __name__ == "__main__":

@@ -53,13 +53,13 @@ class Car:
             rear_stiffness=self.rear_stiffness,
         )
 
-        def at(t: float) -> float:
+        def pressure_at(t: float) -> float:
             return float(np.interp(t, time, pressure))
 
-        only = {w: at if w[0] == measure.axle else (lambda t: 0.0) for w in WHEELS}
+        only = {w: pressure_at if w[0] == measure.axle else (lambda t: 0.0) for w in WHEELS}
         logged = drive(
             plant,
-            at,
+            pressure_at,
             self.speed,
             duration=float(time[-1]),
             wheel_pressure=only if measure.axle else None,

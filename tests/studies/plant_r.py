@@ -222,17 +222,17 @@ def case(rng: np.random.Generator, scatter: float = 1.0, within: bool = False) -
     ``scatter`` as `car` has it; ``within`` with the stops of `WITHIN`. Raises BeyondPeakError for
     the ramp.
     """
-    of = car(rng, scatter)
-    runs = brakings(Demand(of.vehicle, of.mass, of.pads, of.peak), rng)
+    one_car = car(rng, scatter)
+    runs = brakings(Demand(one_car.vehicle, one_car.mass, one_car.pads, one_car.peak), rng)
     logs = {}
     for (name, run), noise_of_run in zip(runs.items(), rng.spawn(len(runs)), strict=True):
         if within or name not in WITHIN:
             with suppress(BeyondPeakError):
-                logs[name] = drive(of, name, run, noise_of_run)
+                logs[name] = drive(one_car, name, run, noise_of_run)
     if "ramp" not in logs:
         raise BeyondPeakError("ramp")
     stops = [Stop(log, name, runs[name].alike) for name, log in logs.items() if name in STOPS]
-    return Case(of.vehicle, logs["ramp"], tuple(stops), logs["coast"], of.form)
+    return Case(one_car.vehicle, logs["ramp"], tuple(stops), logs["coast"], one_car.form)
 
 
 def drawn(seed: int, number: int, scatter: float = 1.0, within: bool = False) -> Case:

@@ -46,14 +46,16 @@ def with_truth(log: Log, folder: Path) -> Log:
     frame = pd.read_parquet(beside)
     truth = {}
     for axle in "fr":
-        at = {c: np.interp(log.time, frame["time"], frame[f"{c}_{axle}"]) for c in ("Tb", "mu")}
-        truth |= {f"true_Tb_{axle}{side}": at["Tb"] for side in "lr"}
-        truth[f"true_mu_pad_{axle}"] = at["mu"]
+        at_samples = {
+            c: np.interp(log.time, frame["time"], frame[f"{c}_{axle}"]) for c in ("Tb", "mu")
+        }
+        truth |= {f"true_Tb_{axle}{side}": at_samples["Tb"] for side in "lr"}
+        truth[f"true_mu_pad_{axle}"] = at_samples["mu"]
     return replace(log, truth=truth)
 
 
-def folders(given: list[str]) -> list[Path]:
+def folders(texts: list[str]) -> list[Path]:
     """The folders of cars among those given and right below them."""
-    paths = [Path(text) for text in given]
+    paths = [Path(text) for text in texts]
     below = [inner for path in paths for inner in (path, *sorted(path.iterdir()))]
     return [path for path in below if (path / "vehicle.toml").exists()]

@@ -18,8 +18,8 @@ MOST = 1e-3
 def compare(first: dict[str, Any], other: dict[str, Any]) -> tuple[float, str]:
     """The largest difference [1], and the check in which it is."""
     pairs = zip(first["checks"], other["checks"], strict=True)
-    found = [(abs(a["value"] - b["value"]) / a["tolerance"], a["name"]) for a, b in pairs]
-    return max(found)
+    departures = [(abs(a["value"] - b["value"]) / a["tolerance"], a["name"]) for a, b in pairs]
+    return max(departures)
 
 
 def main() -> int:

@@ -40,7 +40,7 @@ class Truth:
     braking: Array
 
     @classmethod
-    def of(cls, log: Log, car: Vehicle) -> "Truth":
+    def of_stop(cls, log: Log, car: Vehicle) -> "Truth":
         """Read ``true_Tb_*`` and ``true_mu_pad_*``; a log without the latter has them by torque
         over pressure."""
         p = log["p_mc"]
@@ -81,12 +81,12 @@ def answer(frame: pd.DataFrame, prefix: str, car: Vehicle) -> dict[str, tuple[Ar
     """
 
     def column(name: str) -> Array | None:
-        found = f"{prefix}{name}"
-        return np.asarray(frame[found], dtype=float) if found in frame else None
+        full_name = f"{prefix}{name}"
+        return np.asarray(frame[full_name], dtype=float) if full_name in frame else None
 
     def bounded(name: str, value: Array | None = None) -> tuple[Array, Array, Array]:
-        own = column(name)
-        middle = value if own is None else own
+        values = column(name)
+        middle = value if values is None else values
         nothing = np.full(len(frame), np.nan)
         low, high = column(f"{name}_lower"), column(f"{name}_upper")
         return middle, nothing if low is None else low, nothing if high is None else high
@@ -134,22 +134,22 @@ def figures(
     whose bounds hold the truth [1]. A figure without samples is NaN.
     """
     values = np.array([value for name in ("front", "rear") for value in answers[name]])
-    told = counted & np.isfinite(values).all(axis=0) & np.isfinite(answers["torque"][0])
+    answered = counted & np.isfinite(values).all(axis=0) & np.isfinite(answers["torque"][0])
     out = {
         "samples": float(counted.sum()),
-        "answered": float(told.sum() / counted.sum()),
+        "answered": float(answered.sum() / counted.sum()),
         "valid": float((valid & counted).sum() / counted.sum()),
     }
     for name, (value, low, high) in answers.items():
         true = truth.quantities[name]
-        error = value[told] / true[told] - 1.0
-        has_bounds = bool(np.isfinite(low[told]).any())
-        held = (low <= true) & (true <= high)
+        error = value[answered] / true[answered] - 1.0
+        has_bounds = bool(np.isfinite(low[answered]).any())
+        inside = (low <= true) & (true <= high)
         out[f"square {name}"] = mean(error**2)
         out[f"bias {name}"] = mean(error)
-        out[f"held {name}"] = mean(held[told]) if has_bounds else np.nan
-        out[f"held valid {name}"] = mean(held[told & valid]) if has_bounds else np.nan
-        half = 0.5 * (high - low)[told] / value[told]
+        out[f"held {name}"] = mean(inside[answered]) if has_bounds else np.nan
+        out[f"held valid {name}"] = mean(inside[answered & valid]) if has_bounds else np.nan
+        half = 0.5 * (high - low)[answered] / value[answered]
         out[f"half {name}"] = float(np.median(half)) if has_bounds else np.nan
     return out
 

@@ -31,11 +31,11 @@ def arguments(doc: str | None, *flags: str, **defaults: object) -> argparse.Name
             parser.add_argument(option, type=type(value), default=value)
     for name in flags:
         parser.add_argument(f"--{name.replace('_', '-')}", action="store_true")
-    asked = parser.parse_args()
+    options = parser.parse_args()
     for name, value in defaults.items():
-        setattr(asked, name, getattr(asked, name) or value)
+        setattr(options, name, getattr(options, name) or value)
     print(" ".join(["#", *sys.argv[1:]]))
-    return asked
+    return options
 
 
 def carried_out(tried: Callable[[Job], Result], jobs: list[Job], workers: int) -> Iterator[Result]:
@@ -48,12 +48,12 @@ def carried_out(tried: Callable[[Job], Result], jobs: list[Job], workers: int) -
 
 
 def tabulated(
-    tried: Callable[[Job], Iterable[Row]], jobs: list[Job], asked: argparse.Namespace
+    tried: Callable[[Job], Iterable[Row]], jobs: list[Job], options: argparse.Namespace
 ) -> pd.DataFrame:
     """The rows of all jobs, kept as CSV where ``asked`` names a file."""
-    rows = pd.DataFrame(row for part in carried_out(tried, jobs, asked.jobs) for row in part)
-    if asked.keep:
-        rows.to_csv(asked.keep, index=False)
+    rows = pd.DataFrame(row for part in carried_out(tried, jobs, options.jobs) for row in part)
+    if options.keep:
+        rows.to_csv(options.keep, index=False)
     return rows
 
 
