@@ -22,18 +22,18 @@ class Block:
         return [b for b in self.inside if b.kind in kinds]
 
     def one(self, kind):
-        (found,) = self.all(kind)
-        return found
+        (element,) = self.all(kind)
+        return element
 
     def named(self, kind):
-        found = {b.given[0]: b for b in self.all(kind)}
-        assert len(found) == len(self.all(kind)), f"two of one name: {kind}"
-        return found
+        by_name = {b.given[0]: b for b in self.all(kind)}
+        assert len(by_name) == len(self.all(kind)), f"two of one name: {kind}"
+        return by_name
 
     def after(self, keyword, count=1):
         """The parameters of a keyword."""
-        at = self.given.index(keyword) + 1
-        return self.given[at : at + count]
+        place = self.given.index(keyword) + 1
+        return self.given[place : place + count]
 
 
 def without_epk(a2l):
@@ -64,19 +64,19 @@ def objects(module):
 
     An axis is its own axis.
     """
-    found = {}
+    by_name = {}
     for b in module.all("AXIS_PTS"):
-        name, _, at, _, layout, _, method, _, low, high = b.given[:10]
-        found[name] = (int(at, 0), layout, method, (float(low), float(high)), [b])
+        name, _, address, _, layout, _, method, _, low, high = b.given[:10]
+        by_name[name] = (int(address, 0), layout, method, (float(low), float(high)), [b])
     axes = module.named("AXIS_PTS")
     for b in module.all("CHARACTERISTIC"):
-        name, _, kind, at, layout, _, method, low, high = b.given[:9]
+        name, _, kind, address, layout, _, method, low, high = b.given[:9]
         over = b.all("AXIS_DESCR")
         assert len(over) == AXES[kind]
         named = [axes[one.after("AXIS_PTS_REF")[0]] for one in over]
         assert [one.given[3] for one in over] == [axis.given[7] for axis in named]
-        found[name] = (int(at, 0), layout, method, (float(low), float(high)), named)
-    return found
+        by_name[name] = (int(address, 0), layout, method, (float(low), float(high)), named)
+    return by_name
 
 
 def decoded(module, memory):
@@ -86,25 +86,25 @@ def decoded(module, memory):
     """
     order = {"MSB_LAST": "<", "MSB_FIRST": ">"}[module.one("MOD_COMMON").after("BYTE_ORDER")[0]]
     layouts, methods = module.named("RECORD_LAYOUT"), module.named("COMPU_METHOD")
-    found = {}
-    for name, (at, layout, method, _, axes) in objects(module).items():
+    values = {}
+    for name, (address, layout, method, _, axes) in objects(module).items():
         _, _, position, kind, _, how = layouts[layout].given
         assert (position, how) == ("1", "DIRECT")
         form = f"{order}{math.prod(int(axis.given[7]) for axis in axes)}{TYPES[kind]}"
-        raw = struct.unpack(form, memory(at, struct.calcsize(form)))
+        raw = struct.unpack(form, memory(address, struct.calcsize(form)))
         conversion = methods[method]
         if conversion.given[2] == "IDENTICAL":
-            found[name] = list(raw)
+            values[name] = list(raw)
         else:
             a, b = map(float, conversion.after("COEFFS_LINEAR", 2))
-            found[name] = [a * v + b for v in raw]
-    return found
+            values[name] = [a * v + b for v in raw]
+    return values
 
 
 def cells(module, memory, name):
     """Values of a map by their place (x, y) or (x, y, z), X the first axis that it describes."""
-    found = decoded(module, memory)
+    values = decoded(module, memory)
     _, layout, _, _, axes = objects(module)[name]
     assert module.named("RECORD_LAYOUT")[layout].given[4] == "ROW_DIR"  # X runs fastest
-    places = itertools.product(*(found[axis.given[0]] for axis in reversed(axes)))
-    return {place[::-1]: value for place, value in zip(places, found[name], strict=True)}
+    places = itertools.product(*(values[axis.given[0]] for axis in reversed(axes)))
+    return {place[::-1]: value for place, value in zip(places, values[name], strict=True)}

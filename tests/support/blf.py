@@ -29,8 +29,8 @@ def container(content: bytes, compressed: bool = False, stated: int | None = Non
     head = struct.pack(
         "<H6xL4x", 2 if compressed else 0, len(content) if stated is None else stated
     )
-    made = block(10, head + packed)
-    return made + bytes(len(made) % 4)
+    container_bytes = block(10, head + packed)
+    return container_bytes + bytes(len(container_bytes) % 4)
 
 
 def blf(

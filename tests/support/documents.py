@@ -7,9 +7,13 @@ from calib.help.documents import documents
 
 def missing_and_unknown(name: str, document: dict[str, object]) -> list[str]:
     """What is wrong with a document, in the judgement of another program's validator."""
-    one = documents()[name]
-    errors = [error.message for error in Draft202012Validator(one.schema).iter_errors(document)]
-    starts = tuple(key.removesuffix(" ...") for key in one.keys if " ..." in key)
-    known = {"schema", *one.keys}
-    left = {key for key in document if key not in known and not key.startswith(starts or ("\0",))}
+    document = documents()[name]
+    errors = [
+        error.message for error in Draft202012Validator(document.schema).iter_errors(document)
+    ]
+    starts = tuple(key.removesuffix(" ...") for key in document.keys if " ..." in key)
+    expected = {"schema", *document.keys}
+    left = {
+        key for key in document if key not in expected and not key.startswith(starts or ("\0",))
+    }
     return errors + [f"{name}: the page has no key {key}" for key in sorted(left)]

@@ -15,20 +15,20 @@ def one_car(form: str = "brush", **other: Array | float) -> Ensemble:
     ``other`` values of the ensemble (n,) [1], in place of the usual ones.
     """
     count = max(np.size(value) for value in (1.0, *other.values()))
-    one, none = np.ones(count), np.zeros(count)
+    ones, none = np.ones(count), np.zeros(count)
     usual = Ensemble(
         forms=np.tile(np.eye(len(FORMS))[FORMS.index(form)], (count, 1)),
         load_exponent=none,
         peak_load_exponent=none,
-        peak=0.9 * one,
+        peak=0.9 * ones,
         log_pad_ratio=none,
-        cg_to_front_axle=one,
-        cg_height=one,
-        compliance_f=0.04 * one,
-        compliance_r=0.04 * one,
+        cg_to_front_axle=ones,
+        cg_height=ones,
+        compliance_f=0.04 * ones,
+        compliance_r=0.04 * ones,
         radius_load=none,
         v_late=none,
         depart_eta=np.zeros((count, DEPART_AT.size)),
         depart_slip=np.zeros((count, DEPART_AT.size)),
     )
-    return replace(usual, **{name: value * one for name, value in other.items()})
+    return replace(usual, **{name: value * ones for name, value in other.items()})

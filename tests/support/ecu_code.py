@@ -53,18 +53,18 @@ def on_target(code: Path, samples: Array) -> tuple[Array, list[int], Array]:
     """
     called(code, M4F, SAME_BITS, STRICT, "-I. -c bte.c bte_car_sedan_2up.c", RUN)
     called(code, M4F, LINK)
-    told = answers(code, samples, QEMU)
+    printed = answers(code, samples, QEMU)
     sizes = called(code, "arm-none-eabi-size bte.o bte_car_sedan_2up.o").splitlines()[1:]
     flash = [sum(map(int, size.split()[:2])) for size in sizes]  # text and data
     state, stack, *ticks = np.fromfile(code / "figures.bin", np.uint32).tolist()
-    return told, [*flash, state, stack], PER_TICK * np.array(ticks)
+    return printed, [*flash, state, stack], PER_TICK * np.array(ticks)
 
 
 def links(command: str) -> bool:
     """Whether a compiler makes a program with its options here."""
     words = [*command.split(), "-x", "c", "-", "-o", os.devnull]
-    done = subprocess.run(words, input=b"int main(void) { return 0; }", capture_output=True)
-    return done.returncode == 0
+    process = subprocess.run(words, input=b"int main(void) { return 0; }", capture_output=True)
+    return process.returncode == 0
 
 
 def called(folder: Path, *command: str | Path) -> str:
@@ -73,9 +73,9 @@ def called(folder: Path, *command: str | Path) -> str:
     The words of a command are parted at its spaces, those of a path are not.
     """
     words = [word for x in command for word in (x.split() if isinstance(x, str) else [str(x)])]
-    done = subprocess.run(words, cwd=folder, capture_output=True, text=True, timeout=60)
-    assert done.returncode == 0, done.stdout[-1000:] + done.stderr[-2000:]
-    return done.stdout + done.stderr
+    process = subprocess.run(words, cwd=folder, capture_output=True, text=True, timeout=60)
+    assert process.returncode == 0, process.stdout[-1000:] + process.stderr[-2000:]
+    return process.stdout + process.stderr
 
 
 def failing(samples: Array, seed: int) -> Array:

@@ -28,7 +28,7 @@ def without_inertia(car):
 def made_history(n=200, **changes):
     """A history (n,) in which everything moves."""
     time = np.arange(n) * 0.01
-    given = {
+    options = {
         "time": time,
         "v": 30.0 - 4.0 * time,
         "z": 0.3 + 0.2 * np.sin(3.0 * time),
@@ -40,14 +40,14 @@ def made_history(n=200, **changes):
         "energy_f": 40e3 * time,
         "energy_r": 10e3 * time,
     }
-    return RunHistory(**{**given, **changes})
+    return RunHistory(**{**options, **changes})
 
 
 def made_motion(v, load_f=1e4, load_r=7e3):
     """The motion of a made history at these speeds [m/s] and axle loads [N]."""
     v = np.asarray(v, float)
-    one = np.ones_like(v)
-    return Motion(v, load_f * one, load_r * one, made_history(v.size, v=v))
+    ones = np.ones_like(v)
+    return Motion(v, load_f * ones, load_r * ones, made_history(v.size, v=v))
 
 
 def pressures(name, history, **parameters):

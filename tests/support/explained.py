@@ -33,8 +33,8 @@ def asked_of(case: HiddenCase) -> Problem:
 def fitted(problem: Problem, names: tuple[str, ...] = (), groups: Sequence[str] = ()) -> Fit:
     """Effects and groups fitted from nothing; strengths begin with one spread."""
     start, hypothesis = start_of(problem), Hypothesis(names, frozenset(groups))
-    known = problem.vehicle.effects
-    more = [np.eye(len(elements_of(known, name)))[0] for name in names]
+    known_effects = problem.vehicle.effects
+    more = [np.eye(len(elements_of(known_effects, name)))[0] for name in names]
     state = replace(start, x=np.concatenate([start.x, *more]))
     return fit_logs(problem, hypothesis, state)
 
@@ -56,5 +56,5 @@ def diagnosed(case: HiddenCase) -> Diagnosis:
 
 def left_in(case: HiddenCase) -> Unexplained:
     """What the calibration logs have beyond the vehicle without effects."""
-    at = based(case)
-    return unexplained_of(at, plainest(at, with_terms(at, ranked_terms(at))), 0.0)
+    base = based(case)
+    return unexplained_of(base, plainest(base, with_terms(base, ranked_terms(base))), 0.0)

@@ -45,6 +45,6 @@ def results(path, n=400, extra=None):
 def journalled(out: Path) -> dict[str, str | None]:
     """Logs in the journal of ``out`` that no run has open, each with its error."""
     db = sqlite3.connect(out / NAME)
-    found = dict(db.execute("SELECT log, error FROM rows"))
+    errors = dict(db.execute("SELECT log, error FROM rows"))
     db.close()
-    return found
+    return errors

@@ -68,25 +68,25 @@ def found_of(name: str) -> Diagnosis:
     return diagnose(read_vehicle(case / "vehicle.toml"), *logs)
 
 
-def picture(found: Diagnosis) -> Image.Image:
+def picture(diagnosis: Diagnosis) -> Image.Image:
     """The panel of a report in which the effect that was named shows most, in few colours."""
-    drawn = replace(diagnosis_sheet(found), title="", note="")
-    figure = drawn.figure(_PANELS.get(found.effects[0].where.channel, "split"))
+    drawn = replace(diagnosis_sheet(diagnosis), title="", note="")
+    figure = drawn.figure(_PANELS.get(diagnosis.effects[0].where.channel, "split"))
     figure.set_size_inches(*_SIZE)
     return Image.open(BytesIO(render(figure, ".png"))).convert("RGB").quantize(_COLOURS)
 
 
-def sections(found: dict[str, Diagnosis]) -> Iterator[str]:
+def sections(diagnoses: dict[str, Diagnosis]) -> Iterator[str]:
     """The page, part by part; what was not named is listed at its end."""
     yield _HEAD
-    named = [n for n, one in found.items() if [e.name for e in one.effects] == [n]]
+    named = [n for n, one in diagnoses.items() if [e.name for e in one.effects] == [n]]
     for name in named:
         title, card = spaced(name).capitalize(), CATALOGUE[name].card
         looks = f"{card.looks_like[0].upper()}{card.looks_like[1:]}"
         yield f"## {title}\n\n{looks}.\n\n"
         yield f"![{title}](../../sample_logs/figures/causes/{name}.png)\n\n"
     yield _UNSEEN
-    for name in sorted(found.keys() - set(named)):
+    for name in sorted(diagnoses.keys() - set(named)):
         card = CATALOGUE[name].card
         yield f"* **{spaced(name).capitalize()}**, {card.cause}: {card.looks_like}.\n"
 
@@ -94,12 +94,12 @@ def sections(found: dict[str, Diagnosis]) -> Iterator[str]:
 def main() -> None:
     """Make all of it anew."""
     with ProcessPoolExecutor(cores()) as pool:
-        found = dict(zip(CATALOGUE, pool.map(found_of, CATALOGUE), strict=True))
+        diagnoses = dict(zip(CATALOGUE, pool.map(found_of, CATALOGUE), strict=True))
     PICTURES.mkdir(exist_ok=True)
-    for name, one in found.items():
+    for name, one in diagnoses.items():
         if [effect.name for effect in one.effects] == [name]:
             picture(one).save(PICTURES / f"{name}.png", optimize=True)
-    PAGE.write_text("".join(sections(found)), encoding="utf-8")
+    PAGE.write_text("".join(sections(diagnoses)), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -7,15 +7,15 @@ CHANGES = ("mkdir", "rename", "replace", "fsync", "unlink", "rmdir")
 """Functions of `os` that change the disk or flush it; ``write`` comes before each ``fsync``."""
 
 
-def killed(call: Callable[[], object], before: int) -> bool:
-    """Run ``call`` and end without any cleaning before its change number ``before``, from 0.
+def killed(call: Callable[[], object], number: int) -> bool:
+    """Run ``call`` and end without any cleaning before its change ``number``, from 0.
 
     Returns whether it was ended; False if it had fewer changes and came to its end.
     """
     child = os.fork()
     if child == 0:
         try:
-            _arm(before)
+            _arm(number)
             call()
         except BaseException:
             os._exit(1)
@@ -26,8 +26,8 @@ def killed(call: Callable[[], object], before: int) -> bool:
     return code == 9
 
 
-def _arm(before: int) -> None:
-    left = before
+def _arm(number: int) -> None:
+    left = number
 
     def counted(name: str) -> Callable[..., object]:
         whole = getattr(os, name)

@@ -66,10 +66,10 @@ def logger_mf4(rows: Sequence[Row], vlsd: bool = False, flags: int = FLAGS) -> b
     file = _File(bytearray(struct.pack("<8s8s8s4xH30xHH", b"UnFinMF ", b"4.11    ", b"logger  ",
                                        411, flags, 0)))  # fmt: skip
     head = file.block("##HD", [0] * 6, bytes(32))
-    own = [file.group(4, "", 0, 1)] if vlsd else [0]
-    own.append(file.group(3, "", 0, 1, own[0]) if vlsd else 0)
-    sent = _frames(file, 2, "CAN_Tx", own[0], own[1])
-    received = _frames(file, 1, "CAN_Rx", own[1], sent)
+    groups = [file.group(4, "", 0, 1)] if vlsd else [0]
+    groups.append(file.group(3, "", 0, 1, groups[0]) if vlsd else 0)
+    sent = _frames(file, 2, "CAN_Tx", groups[0], groups[1])
+    received = _frames(file, 1, "CAN_Rx", groups[1], sent)
     group = file.block("##DG", (0, received, 0, 0), struct.pack("<B7x", 1))
     file.link(head, 0, group)
     file.link(group, 2, file.block("##DT", (), b""))

@@ -42,8 +42,8 @@ class Example:
     @property
     def ends_with(self) -> int:
         """Exit code that its last command must have."""
-        found = re.fullmatch(r"exit code (\d)", self.mark)
-        return int(found[1]) if found else 0
+        match = re.fullmatch(r"exit code (\d)", self.mark)
+        return int(match[1]) if match else 0
 
     @property
     def commands(self) -> list[str]:
@@ -65,8 +65,8 @@ def run(folder: Path, line: str) -> int:
     arguments = []
     for word, as_typed in zip(words[1:], shlex.split(line, posix=False)[1:], strict=True):
         quoted = as_typed.startswith(("'", '"'))
-        found = sorted(str(p.relative_to(folder)) for p in folder.glob(word)) if "*" in word else []
-        arguments += found if found and not quoted else [word]
+        paths = sorted(str(p.relative_to(folder)) for p in folder.glob(word)) if "*" in word else []
+        arguments += paths if paths and not quoted else [word]
     return typed(*arguments, folder=folder)
 
 
@@ -121,8 +121,8 @@ def working_folder(folder: Path) -> None:
         shutil.copy(sample_logs() / "sedan" / source, folder / name)
     for name, source in OWN.items():
         frame = pd.read_csv(sample_logs() / "sedan" / source)
-        own = {theirs: frame[ours] * scale for ours, (theirs, scale) in FOREIGN.items()}
-        pd.DataFrame(own).to_csv(folder / name, index=False, float_format="%.7g")
+        columns = {theirs: frame[ours] * scale for ours, (theirs, scale) in FOREIGN.items()}
+        pd.DataFrame(columns).to_csv(folder / name, index=False, float_format="%.7g")
     vehicle = (sample_logs() / "sedan" / "vehicle.toml").read_text()
     (folder / "car.toml").write_text(vehicle.replace("sedan-2up", "car"))
     weighed = vehicle.replace("[chassis]", "[chassis]\nmass_tolerance = 0.005\nmotor_odds = 0")

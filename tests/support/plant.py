@@ -60,8 +60,8 @@ def brush(stiffness: float = 25.0, peak: float = 0.9, load_exponent: float = 0.0
     def force(slip: float, load: float, stiffness_factor: float, peak_factor: float) -> float:
         mu = peak * peak_factor
         x = stiffness * stiffness_factor * load**-load_exponent * abs(slip) / (3.0 * mu)
-        held = mu * (1.0 - (1.0 - min(x, 1.0)) ** 3)
-        return math.copysign(held, slip)
+        force = mu * (1.0 - (1.0 - min(x, 1.0)) ** 3)
+        return math.copysign(force, slip)
 
     return force
 
@@ -73,8 +73,8 @@ def burckhardt(stiffness: float = 25.0, peak: float = 0.9, load_exponent: float 
         mu = peak * peak_factor
         k = stiffness * stiffness_factor * load**-load_exponent
         fall, rise, s = 0.35 * mu, 1.06 * mu, abs(slip)
-        held = rise * (1.0 - math.exp(-(k + fall) / rise * s)) - fall * s
-        return math.copysign(held, slip)
+        force = rise * (1.0 - math.exp(-(k + fall) / rise * s)) - fall * s
+        return math.copysign(force, slip)
 
     return force
 
@@ -147,7 +147,7 @@ def instant(plant: Plant, t: float, state: list[float], p: tuple[float, ...]) ->
     mu = plant.pads(t) if plant.pads else (car.front.pad_friction, car.rear.pad_friction)
     drag = 0.5 * AIR * plant.drag_area * state[V] ** 2
     at_rest = [a.rolling_radius * s for a, s in zip(axles, plant.radius_scale, strict=True)]
-    rest = [0.5 * weight * x / length for x in (car.cg_to_rear_axle, car.cg_to_front_axle)]
+    loads_at_rest = [0.5 * weight * x / length for x in (car.cg_to_rear_axle, car.cg_to_front_axle)]
     road = [(1.0, 1.0), (1.0, 1.0)]
     if plant.surface:
         road = [plant.surface(state[X]), plant.surface(state[X] - length)]
@@ -159,7 +159,7 @@ def instant(plant: Plant, t: float, state: list[float], p: tuple[float, ...]) ->
     if plant.curvature:
         turn = cornering(car, plant.tyre, plant.curvature(t), v)
     motor = [0.5 * torque for torque in (plant.motor(t) if plant.motor else (0.0, 0.0))]
-    z, before = state[TRANSFER], None
+    z, z_before = state[TRANSFER], None
     for _ in range(8):
         half = [
             0.5 * weight * (car.cg_to_rear_axle + z * car.cg_height) / length,
@@ -167,7 +167,7 @@ def instant(plant: Plant, t: float, state: list[float], p: tuple[float, ...]) ->
         ]
         radius = [
             r * (1.0 - plant.radius_load * (now / then - 1.0))
-            for r, now, then in zip(at_rest, half, rest, strict=True)
+            for r, now, then in zip(at_rest, half, loads_at_rest, strict=True)
         ]
         loads = [half[i] * thrown[i] * k for i, k in zip(SIDES, turn.load, strict=True)]
         slips = [
@@ -183,8 +183,8 @@ def instant(plant: Plant, t: float, state: list[float], p: tuple[float, ...]) ->
         if plant.pitch_frequency or abs(felt - z) < 1e-13:
             break
         # Steffensen: the force is nearly a straight line in the transferred load
-        slope = (felt - before[1]) / (z - before[0]) if before else 0.0
-        before, z = (z, felt), z + (felt - z) / (1.0 - slope)
+        slope = (felt - z_before[1]) / (z - z_before[0]) if z_before else 0.0
+        z_before, z = (z, felt), z + (felt - z) / (1.0 - slope)
     torque = [
         mu[i] * axles[i].friction_faces * axles[i].piston_area * axles[i].effective_radius * q
         for i, q in zip(SIDES, p, strict=True)
@@ -231,8 +231,8 @@ def drive(
     ``max_step`` [s] bounds the step, so that a short pulse of pressure is not jumped over. A wheel
     past its peak locks, as it does on the road.
     """
-    own = wheel_pressure or {}
-    traces = [own.get(w, pressure) for w in WHEELS]
+    wheel_traces = wheel_pressure or {}
+    traces = [wheel_traces.get(w, pressure) for w in WHEELS]
     if plant.hydraulic_lag:
         traces = [lagged(trace, plant.hydraulic_lag, duration) for trace in traces]
     omega_n = 2.0 * math.pi * plant.pitch_frequency
@@ -261,7 +261,7 @@ def drive(
     )
     if solution.status < 0:
         raise ArithmeticError(solution.message)
-    return _channels(plant, solution.t, solution.y, pressure, traces, own)
+    return _channels(plant, solution.t, solution.y, pressure, traces, wheel_traces)
 
 
 def lagged(pressure: Pressure, lag: float, duration: float, step: float = 1e-3) -> Pressure:
@@ -290,8 +290,8 @@ def _start(plant: Plant, v0: float, traces: list[Pressure]) -> list[float]:
         return [s - d for s, d in zip(now.spin, drift, strict=True)]
 
     free = [v0 / radius[i] for i in SIDES]
-    settled = solve_ivp(frozen, (0.0, 0.5), free, method="LSODA", rtol=1e-9, atol=1e-10)
-    omega = settled.y[:, -1].tolist()
+    solution = solve_ivp(frozen, (0.0, 0.5), free, method="LSODA", rtol=1e-9, atol=1e-10)
+    omega = solution.y[:, -1].tolist()
     now = instant(quick, 0.0, [v0, 0.0, 0.0, 0.0, *omega], p)
     carried = now.slip if plant.relaxation else ()
     return [v0, 0.0, now.z if plant.pitch_frequency else 0.0, 0.0, *omega, *carried]
@@ -303,7 +303,7 @@ def _channels(
     states: np.ndarray,
     pressure: Pressure,
     traces: list[Pressure],
-    own: dict,
+    wheel_traces: dict,
 ) -> dict[str, np.ndarray]:
     pressures = [tuple(trace(t) for trace in traces) for t in time.tolist()]
     moments = [
@@ -322,7 +322,7 @@ def _channels(
         run[f"true_Tb_{w}"] = np.array([m.torque[i] for m in moments])
         run[f"true_Fx_{w}"] = np.array([m.force[i] for m in moments])
         run[f"true_Fz_{w}"] = np.array([m.load[i] for m in moments])
-        if w in own:
+        if w in wheel_traces:
             run[f"p_{w}"] = np.array([p[i] for p in pressures])
     for k, side in enumerate("fr"):
         if plant.motor:

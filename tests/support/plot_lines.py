@@ -5,14 +5,14 @@ import numpy as np
 
 def panel(sheet, name):
     """The panel of that name."""
-    (found,) = [one for one in sheet.panels if one.name == name]
-    return found
+    (match,) = [one for one in sheet.panels if one.name == name]
+    return match
 
 
 def line(panel, label):
     """x and y of the one line of that label."""
-    (found,) = [one for one in panel.lines if one.label == label]
-    return np.asarray(found.x), np.asarray(found.y)
+    (match,) = [one for one in panel.lines if one.label == label]
+    return np.asarray(match.x), np.asarray(match.y)
 
 
 def labels(panel):

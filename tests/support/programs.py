@@ -41,11 +41,11 @@ def memory_of(elf):
     printed = subprocess.run(
         [OBJDUMP, "-s", elf], capture_output=True, text=True, check=True
     ).stdout
-    held = {}
+    contents = {}
     for line in re.findall(r"^ ([0-9a-f]{4,}) ((?:[0-9a-f]{2,8} ){1,4})", printed, re.MULTILINE):
         for i, byte in enumerate(bytes.fromhex(line[1].replace(" ", ""))):
-            held.setdefault(int(line[0], 16) + i, byte)
-    return lambda at, size: bytes(held[at + i] for i in range(size))
+            contents.setdefault(int(line[0], 16) + i, byte)
+    return lambda at, size: bytes(contents[at + i] for i in range(size))
 
 
 def made_elf(objects, order, wide, base=0x1000, home=None):
@@ -61,11 +61,11 @@ def made_elf(objects, order, wide, base=0x1000, home=None):
         b"",
     )
     for name, content in objects.items():
-        at, size = base + len(data), len(content)
+        address, size = base + len(data), len(content)
         row = (
-            ("IBBHQQ", len(names), 0x11, 0, 1, at, size)
+            ("IBBHQQ", len(names), 0x11, 0, 1, address, size)
             if wide
-            else ("IIIBBH", len(names), at, size, 0x11, 0, 1)
+            else ("IIIBBH", len(names), address, size, 0x11, 0, 1)
         )
         symbols += struct.pack(order + row[0], *row[1:])
         names, data = names + name.encode() + b"\0", data + content

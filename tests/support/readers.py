@@ -114,7 +114,7 @@ def candumps() -> list[bytes]:
 
 
 def mdfs() -> list[bytes]:
-    found = []
+    values = []
     with tempfile.TemporaryDirectory() as folder:
         for version, compression in (("4.10", 0), ("4.10", 2), ("3.30", 0)):
             time = np.arange(60) / 200.0
@@ -122,8 +122,8 @@ def mdfs() -> list[bytes]:
                 mdf.append([Signal(time * 3, time, name="v", unit="m/s")])
                 mdf.append([Signal(time * 2, time, name="p_mc", unit="bar")])
                 saved = mdf.save(Path(folder) / "a.mf4", overwrite=True, compression=compression)
-            found.append(Path(saved).read_bytes())
-    return found
+            values.append(Path(saved).read_bytes())
+    return values
 
 
 def maps() -> list[bytes]:
@@ -172,8 +172,8 @@ def of_store(missing: str) -> Callable[[Path], object]:
 
 def summaries() -> list[bytes]:
     logs = '[{"log": "a", "role": "hold-out", "verdict": "passed"}]'
-    of = f'"table": "{NAME_OF_TABLE}", "digest": "{stored().digest}", "proof": "truth"'
-    return [f'{{"schema": 1, {of}, "verdict": "passed", "logs": {logs}}}'.encode()]
+    fields = f'"table": "{NAME_OF_TABLE}", "digest": "{stored().digest}", "proof": "truth"'
+    return [f'{{"schema": 1, {fields}, "verdict": "passed", "logs": {logs}}}'.encode()]
 
 
 def read_a_database(path: Path) -> object:

@@ -86,10 +86,10 @@ def times() -> dict[str, Array]:
 
 def written() -> dict[str, Array]:
     """Values of each channel at its `times`, in the unit of the recording."""
-    log, at = ramp(), times()
+    log, clocks = ramp(), times()
     return {
         theirs: from_si(
-            np.interp(at[theirs], log.time, log[ours]), UNITS[theirs], SI[UNITS[theirs]]
+            np.interp(clocks[theirs], log.time, log[ours]), UNITS[theirs], SI[UNITS[theirs]]
         )
         for ours, theirs in CHANNELS.items()
     }
@@ -116,14 +116,14 @@ def messages(offset: float = 0.0) -> list["object"]:
     import can
     import cantools
 
-    known = cantools.database.load_string(DBC, "dbc")
-    at, values = times(), written()
+    database = cantools.database.load_string(DBC, "dbc")
+    clocks, values = times(), written()
 
     def frames(
         name: str, clock: Array, signals: Sequence[str], **more: float
     ) -> Iterator[can.Message]:
-        message = known.get_message_by_name(name)
-        columns = [np.interp(clock, at[s], values[s]) for s in signals]
+        message = database.get_message_by_name(name)
+        columns = [np.interp(clock, clocks[s], values[s]) for s in signals]
         for t, *row in zip(clock, *columns, strict=True):
             data = message.encode({**dict(zip(signals, row, strict=True)), **more}, strict=False)
             yield can.Message(
@@ -135,14 +135,14 @@ def messages(offset: float = 0.0) -> list["object"]:
                 channel=0,
             )
 
-    steering = frames("BRAKE", at["PMc"] + 0.001, (), Page=2, Steering=1.5)
-    made = [
-        *frames("WHEELS", at["WhlFL"], ("WhlFL", "WhlFR", "WhlRL", "WhlRR")),
-        *frames("BRAKE", at["PMc"], ("PMc",), Page=1),
+    steering = frames("BRAKE", clocks["PMc"] + 0.001, (), Page=2, Steering=1.5)
+    run_frames = [
+        *frames("WHEELS", clocks["WhlFL"], ("WhlFL", "WhlFR", "WhlRL", "WhlRR")),
+        *frames("BRAKE", clocks["PMc"], ("PMc",), Page=1),
         *steering,
-        *frames("IMU", at["Ax"], ("Ax", "VRef")),
+        *frames("IMU", clocks["Ax"], ("Ax", "VRef")),
     ]
-    return sorted(made, key=lambda m: m.timestamp)
+    return sorted(run_frames, key=lambda m: m.timestamp)
 
 
 def write_bus(path: Path, offset: float = 0.0) -> Path:
@@ -159,11 +159,11 @@ def write_mdf(path: Path, version: str = "4.10", compression: int = 0) -> Path:
     """A measurement by asammdf: one group for each raster."""
     from asammdf import MDF, Signal
 
-    at, values = times(), written()
+    clocks, values = times(), written()
     groups = (["WhlFL", "WhlFR", "WhlRL", "WhlRR"], ["PMc"], ["VRef"], ["Ax"])
     with MDF(version=version) as mdf:
         for names in groups:
-            signals = [Signal(values[n], at[n], name=n, unit=UNITS[n]) for n in names]
+            signals = [Signal(values[n], clocks[n], name=n, unit=UNITS[n]) for n in names]
             mdf.append(signals, acq_name=names[0])
         saved = mdf.save(path.with_suffix(".mdf" if version < "4" else ".mf4"), overwrite=True,
                          compression=compression)  # fmt: skip

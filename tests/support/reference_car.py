@@ -75,8 +75,8 @@ def one_axle(plant: Plant, axle: str, faster: float = 1.0, held: float = 0.0) ->
     def pressure(t: float) -> float:
         return faster * SLOPE[axle] * max(t - 1.5, 0.0)
 
-    own = {w: pressure if w[0] == axle else lambda t: held for w in WHEELS}
-    run = drive(plant, pressure, 33.0, duration=9.5, stop_speed=8.0, wheel_pressure=own)
+    wheel_traces = {w: pressure if w[0] == axle else lambda t: held for w in WHEELS}
+    run = drive(plant, pressure, 33.0, duration=9.5, stop_speed=8.0, wheel_pressure=wheel_traces)
     return as_log(run, f"ramp_{axle}")
 
 
@@ -94,8 +94,8 @@ def held(e: Estimate, front: float = 0.38, rear: float = 0.38, of: str = "pads")
     """
     out = []
     for x, true in ((f"{of}_f", front), (f"{of}_r", rear)):
-        told = getattr(e.best, x)
-        out.append(float(np.mean(((told.lower <= true) & (true <= told.upper))[e.valid])))
+        answers = getattr(e.best, x)
+        out.append(float(np.mean(((answers.lower <= true) & (true <= answers.upper))[e.valid])))
     return out
 
 

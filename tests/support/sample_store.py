@@ -48,12 +48,12 @@ def draw(demo: Path) -> None:
     for name, inputs in _DRAWN.items():
         assert run(demo, f"brake-cal plot {inputs} --out figures/{name}.png") == 0
     case = demo / "sample_logs/hidden/case_2"
-    searched, held = (
+    calibration, holdouts = (
         [read_log(path) for path in sorted((case / part).iterdir())]
         for part in ("calibration", "holdout")
     )
     car = read_vehicle(case / "vehicle.toml")
-    drawn = diagnosis_sheet(diagnose(car, searched, held))
+    drawn = diagnosis_sheet(diagnose(car, calibration, holdouts))
     save({demo / "figures/diagnosis.png": [drawn.overview()]})
 
 

@@ -29,13 +29,13 @@ def shared(make: Callable[P, Result]) -> Callable[P, Result]:
     """``make``, or what it made in this session of the same arguments."""
 
     @wraps(make)
-    def made(*given: P.args, **named: P.kwargs) -> Result:
+    def cached(*arguments: P.args, **named: P.kwargs) -> Result:
         if FOLDER not in os.environ:
-            return make(*given, **named)
-        content = cloudpickle.dumps((make.__module__, make.__qualname__, given, named))
+            return make(*arguments, **named)
+        content = cloudpickle.dumps((make.__module__, make.__qualname__, arguments, named))
         path = Path(os.environ[FOLDER], sha256(content))
         if not path.exists():
-            write_whole(path, cloudpickle.dumps(make(*given, **named)))
+            write_whole(path, cloudpickle.dumps(make(*arguments, **named)))
         return pickle.loads(path.read_bytes())
 
-    return made
+    return cached

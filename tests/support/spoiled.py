@@ -41,12 +41,12 @@ NOT_A_NUMBER = re.compile(r"(?<![A-Za-z_])(nan|inf|NaN|Infinity)(?![A-Za-z_])")
 
 def _some(rng: np.random.Generator, x: Array) -> NDArray[np.bool_]:
     """A sample, a short part, a long part or single samples of a channel (n,)."""
-    at, kind = int(rng.integers(x.size)), rng.integers(4)
+    place, kind = int(rng.integers(x.size)), rng.integers(4)
     if kind == 3:
         return rng.random(x.size) < 10.0 ** rng.uniform(-3.0, -0.3)
     length = (1, int(rng.integers(2, 30)), int(rng.integers(30, x.size + 31)))[kind]
     mask = np.zeros(x.size, bool)
-    mask[at : at + length] = True
+    mask[place : place + length] = True
     return mask
 
 
@@ -77,11 +77,11 @@ def spoiled(log: Log, rng: np.random.Generator) -> tuple[str, str]:
     columns = {
         name: from_si(x, CHANNELS[name].unit, CHANNELS[name].si) for name, x in log.channels.items()
     }
-    done = []
+    changes = []
     for _ in range(int(rng.integers(1, 4))):
         kind = str(rng.choice([*SPOILS, "swapped", "cut"]))
         name = str(rng.choice([n for n in columns if n != "time" or rng.random() < 0.3]))
-        done.append(f"{name} {kind}")
+        changes.append(f"{name} {kind}")
         if kind == "swapped":
             other = str(rng.choice([*columns]))
             columns[name], columns[other] = columns[other], columns[name]
@@ -93,7 +93,7 @@ def spoiled(log: Log, rng: np.random.Generator) -> tuple[str, str]:
     text = io.StringIO()
     head = ",".join(f"{name} [{CHANNELS[name].unit}]" for name in columns)
     np.savetxt(text, np.column_stack([*columns.values()]), "%.9g", ",", header=head, comments="")
-    return ", ".join(done), text.getvalue()
+    return ", ".join(changes), text.getvalue()
 
 
 OTHERS = [noisy(ramp(REAL, name="other ramp"), 11), noisy(stop(REAL, 30e5, "other stop"), 12)]
@@ -107,15 +107,15 @@ def disagreements(log: Log, table: Table) -> list[str]:
 
     They may know more: their vehicle, the other logs, the table.
     """
-    found = check(log)
-    coasts = not found.run.events
+    log_check = check(log)
+    coasts = not log_check.run.events
     with_ramp = [log, OTHERS[0]] if coasts else [log]
     uses: dict[str, Callable[[], object]] = {
         "coast" if coasts else "fit": lambda: fit(CAR, with_ramp),
         "validate": lambda: _of_use(table, log),
         "diagnose": lambda: checked(CAR, [log, *OTHERS], HELD),
     }
-    usable = {one.purpose: one.usable for one in found.verdicts}
+    usable = {one.purpose: one.usable for one in log_check.verdicts}
     return [
         f"{use}: check says {usable[use]}, and it is {why or 'used'}"
         for use, act in uses.items()
@@ -157,20 +157,20 @@ def findings(text: str, table: Table, ramp: bool) -> list[str]:
 
 def _flaws(work: Callable[[Path], list[str]], path: Path) -> list[str]:
     try:
-        told = work(path)
+        texts = work(path)
     except NotFiniteError as error:
         return [f"not finite: {error.problem}"]
     except BrakeCalError as error:
-        told = [str(error)]
+        texts = [str(error)]
     except Exception as error:
         return traceback.format_exception(error)[-2:]
-    found = [(text, NOT_A_NUMBER.search(text)) for text in told]
-    return [repr(text[max(0, at.start() - 60) : at.end() + 30]) for text, at in found if at]
+    matches = [(text, NOT_A_NUMBER.search(text)) for text in texts]
+    return [repr(text[max(0, at.start() - 60) : at.end() + 30]) for text, at in matches if at]
 
 
 def _checked(path: Path) -> list[str]:
-    found = check(read_log(path, require=()))
-    return [repr(found), json_text(to_dict(found)), *map(str, found.warnings)]
+    log_check = check(read_log(path, require=()))
+    return [repr(log_check), json_text(to_dict(log_check)), *map(str, log_check.warnings)]
 
 
 def _fitted(path: Path) -> list[str]:
@@ -190,9 +190,9 @@ def main(count: int) -> None:
     runs = [noisy(log, i) for i, log in enumerate((ramp(REAL), stop(REAL), coast))]
     table = fit(CAR, [runs[0]])
     for number in range(count):
-        done, text = spoiled(runs[number % 3], np.random.default_rng([1, number]))
+        changes, text = spoiled(runs[number % 3], np.random.default_rng([1, number]))
         for flaw in findings(text, table, number % 3 == 0):
-            sys.stdout.write(f"{number} {done}\n      {flaw}\n")
+            sys.stdout.write(f"{number} {changes}\n      {flaw}\n")
 
 
 if __name__ == "__main__":

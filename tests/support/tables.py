@@ -140,8 +140,8 @@ def made_map(z=Z, shift=SHIFT, slip=SLIP):
     """
     axes = [np.array(z), np.array(shift), np.array(slip)]
     x, y, s = np.meshgrid(*axes, indexing="ij")
-    seen = {"log_slip": x - 3.0 - y, "log_slip_sigma": 0.2 + x, "share": np.full_like(x, 0.2)}
-    return PadMap.from_grids(axes, **_bounded(A + B_Z * x + B_SHIFT * y + B_SLIP * s), **seen)
+    columns = {"log_slip": x - 3.0 - y, "log_slip_sigma": 0.2 + x, "share": np.full_like(x, 0.2)}
+    return PadMap.from_grids(axes, **_bounded(A + B_Z * x + B_SHIFT * y + B_SLIP * s), **columns)
 
 
 def made_draws(n=40):
@@ -168,10 +168,10 @@ def made_draws(n=40):
 
 def made_level_map(z=(0.1, 0.4, 0.8)):
     """The ratio of `made_map` without a reading; the level is 0.01 z, +- 0.02."""
-    at = np.array(z)
-    before = _bounded(A + B_Z * at)
-    del before["prior"]
-    return LevelMap(at, 0.01 * at, 0.01 * at - 0.02, 0.01 * at + 0.02, **before)
+    z_array = np.array(z)
+    prior = _bounded(A + B_Z * z_array)
+    del prior["prior"]
+    return LevelMap(z_array, 0.01 * z_array, 0.01 * z_array - 0.02, 0.01 * z_array + 0.02, **prior)
 
 
 def stored_as(reference: str) -> Stored:

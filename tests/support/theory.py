@@ -99,9 +99,9 @@ def law() -> Sheet:
         u = np.full_like(t, -getattr(CAR, axle).torque_gain * _PRESSURE)
         return 0.38 + gradient(_STEP * u, u, gamma, _DT)
 
-    def errors(of: float) -> np.ndarray:
+    def errors(product: float) -> np.ndarray:
         """Error after each step (20,) where gamma u^2 dt is ``of``."""
-        return (1.0 - of) ** np.arange(20)
+        return (1.0 - product) ** np.arange(20)
 
     looks = {0.04: BODY, 1.5: IDENTIFIED, 1.95: {**LAW, "linestyle": LONG}, 2.1: REAR}
     return Sheet("theory", "law", (
@@ -148,16 +148,17 @@ def coverage() -> Iterator[tuple[str, list[float], tuple[float, float]]]:
     part = COVERAGE.read_text().partition("ecu, without v")[2].partition("\n\n")[0]
     for line in part.splitlines()[2:]:
         name, *_ = line.split()
-        found = re.findall(r"\d\.\d\d", line)
-        yield name, [float(x) for x in found[:3]], (float(found[3]), float(found[4]))
+        numbers = re.findall(r"\d\.\d\d", line)
+        yield name, [float(x) for x in numbers[:3]], (float(numbers[3]), float(numbers[4]))
 
 
 def covered() -> Sheet:
     """Coverage over the share that was said."""
     looks = {"level": BODY, "ratio": IDENTIFIED, "front": FRONT, "rear": REAR}
-    said = np.array([50.0, 80.0, 95.0])
+    dots = {"marker": "o", "ms": 3.5}
+    stated_percent = np.array([50.0, 80.0, 95.0])
     lines = [
-        Line(said, 100.0 * np.array(share), {**looks[name], "marker": "o", "ms": 3.5}, name)
+        Line(stated_percent, 100.0 * np.array(share), {**looks[name], **dots}, name)
         for name, share, _ in coverage() if name in looks
     ]  # fmt: skip
     right = Line((45.0, 100.0), (45.0, 100.0), TRUTH, "as stated")
@@ -272,8 +273,8 @@ _BLOCK = r"(\n## {}\n.*?\n```text\n)(.*?)(```\n)"
 
 def block(heading: str) -> str:
     """The block below a heading as the page on the step has it."""
-    (found,) = re.findall(_BLOCK.format(heading), STEP.read_text(), re.DOTALL)
-    return found[1]
+    (parts,) = re.findall(_BLOCK.format(heading), STEP.read_text(), re.DOTALL)
+    return parts[1]
 
 
 def main() -> None:

@@ -58,7 +58,7 @@ def unknown(named):
     """The same logs with a cause that is in no catalogue."""
     term = EmpiricalTerm("rear_brakes", "pressure", (0.0, 2.5e6), (0.0, -0.125))
     model = named.model_after
-    rest = Unexplained(
+    remainder = Unexplained(
         place=term.place,
         axle="rear",
         wheel=None,
@@ -71,4 +71,4 @@ def unknown(named):
         term=term,
     )
     after = replace(model, effects=replace(model.effects, terms=(term,)))
-    return replace(named, verdict="unknown", effects=(), unexplained=rest, model_after=after)
+    return replace(named, verdict="unknown", effects=(), unexplained=remainder, model_after=after)

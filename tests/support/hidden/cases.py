@@ -151,8 +151,8 @@ def choose(kind: str, seed: int, rng: np.random.Generator) -> tuple[str, ...]:
     if kind == "single":
         return (catalogue[seed % len(catalogue)],)
     if kind == "unlike":
-        own = [n for n in catalogue if n not in ("road_grade", "accelerometer_bias")]
-        return (own[seed % len(own)],)
+        names = [n for n in catalogue if n not in ("road_grade", "accelerometer_bias")]
+        return (names[seed % len(names)],)
     if kind == "outside":
         return (outside[seed % len(outside)],)
     if kind in ("double", "triple"):
@@ -175,15 +175,15 @@ def tyre(surface: str, rng: np.random.Generator) -> Tyre:
 
 def axle_tyres(surface: str, rng: np.random.Generator) -> tuple[Tyre, Tyre]:
     """Front and rear tyre of one surface: of another form, stiffness (8 %) and peak (5 %) each."""
-    found = []
+    drawn = []
     for _ in "fr":
         stiffness, peak = SURFACES[surface]
         stiffness *= float(np.exp(0.08 * rng.normal()))
         peak *= float(rng.uniform(0.95, 1.05))
         load = float(rng.uniform(0.0, 0.05))
         form, more = ((brush, 1.25), (burckhardt, 1.1), (dugoff, 1.25))[int(rng.integers(3))]
-        found.append(form(stiffness, more * peak, load))
-    return found[0], found[1]
+        drawn.append(form(stiffness, more * peak, load))
+    return drawn[0], drawn[1]
 
 
 def run(car: Car, name: str, rng: np.random.Generator, rate: float = 200.0) -> Log:

@@ -90,13 +90,14 @@ def loop(p: Array, width: float) -> Array:
     Rising it follows p (1 - width/2), falling p (1 + width/2), and goes over gently.
     """
     halves = [0.5 * width * k for k in (0.5, 1.0, 1.5)]
-    held = [0.0, 0.0, 0.0]
+    heights = [0.0, 0.0, 0.0]
     out = np.empty_like(p)
     for i, now in enumerate(p.tolist()):
-        held = [
-            min(max(c, now * (1.0 - h)), now * (1.0 + h)) for c, h in zip(held, halves, strict=True)
+        heights = [
+            min(max(c, now * (1.0 - h)), now * (1.0 + h))
+            for c, h in zip(heights, halves, strict=True)
         ]
-        out[i] = sum(held) / 3.0
+        out[i] = sum(heights) / 3.0
     return out
 
 
@@ -106,11 +107,13 @@ def backlash(p: Array, half: float) -> Array:
     Rising far enough it follows p - half, falling p + half; what is left stays at no pressure.
     """
     halves = [half * k for k in (0.7, 1.0, 1.3)]
-    held = [0.0, 0.0, 0.0]
+    heights = [0.0, 0.0, 0.0]
     out = np.empty_like(p)
     for i, now in enumerate(p.tolist()):
-        held = [max(min(max(c, now - h), now + h), 0.0) for c, h in zip(held, halves, strict=True)]
-        out[i] = sum(held) / 3.0
+        heights = [
+            max(min(max(c, now - h), now + h), 0.0) for c, h in zip(heights, halves, strict=True)
+        ]
+        out[i] = sum(heights) / 3.0
     return out
 
 

@@ -176,11 +176,11 @@ def equations(car: Car, lines: Lines) -> Rates:
         d = [0.0] * 17
         if h.regen_torque:
             for i in (2 * h.regen_axle, 2 * h.regen_axle + 1):
-                asked = min(h.regen_torque, h.regen_power / y[i + 1]) * min(v / 3.0, 1.0)
-                asked = asked if master > 1e5 else 0.0
-                other[i] += y[MOTOR] if h.regen_lag else asked
+                demand = min(h.regen_torque, h.regen_power / y[i + 1]) * min(v / 3.0, 1.0)
+                demand = demand if master > 1e5 else 0.0
+                other[i] += y[MOTOR] if h.regen_lag else demand
             if h.regen_lag:
-                d[MOTOR] = (asked - y[MOTOR]) / h.regen_lag
+                d[MOTOR] = (demand - y[MOTOR]) / h.regen_lag
         for i in range(4):
             d[i + 1] = (rolls[i] * force[i] - torque[i] - other[i]) / inertia[i]
         spring = omega_s**2 * y[SLOSH] + 0.1 * omega_s * y[SLOSH_RATE] if h.slosh_mass else 0.0
@@ -239,10 +239,10 @@ def resisting(h: Hidden, load: list[float], radius: list[float], v: float) -> li
     return moments
 
 
-def modulation(slip: float, held: float, limit: float) -> float:
+def modulation(slip: float, share: float, limit: float) -> float:
     """Rate [1/s] of the share of pressure that an anti-lock valve lets through."""
     over = 0.5 * (1.0 + math.tanh((slip - limit) / (0.05 * limit)))
-    return over * -6.0 * max(held - 0.5, 0.0) + (1.0 - over) * 1.5 * (1.0 - held)
+    return over * -6.0 * max(share - 0.5, 0.0) + (1.0 - over) * 1.5 * (1.0 - share)
 
 
 def readings(car: Car, lines: Lines, time: Array, y: Array, rates: Rates) -> dict[str, Array]:
@@ -277,8 +277,8 @@ def averaged(time: Array, x: Array, window: float) -> Array:
         return x.copy()
     path = integrate.cumulative_trapezoid(x, time, initial=0.0)
     then, rise = time - time[0] - window, (x[1] - x[0]) / (time[1] - time[0])
-    before = np.where(then < 0.0, x[0] * then + 0.5 * rise * then**2, 0.0)
-    return (path - np.interp(then, time - time[0], path) - before) / window
+    quadratic = np.where(then < 0.0, x[0] * then + 0.5 * rise * then**2, 0.0)
+    return (path - np.interp(then, time - time[0], path) - quadratic) / window
 
 
 def earlier(time: Array, x: Array, by: float) -> Array:
