@@ -154,9 +154,9 @@ def started(copy, *arguments):
     """Run Python on the copy, and return what it prints; a process that it starts has the copy."""
     line = [sys.executable, *map(str, arguments)]
     env = {**os.environ, "PYTHONPATH": str(copy)}
-    done = subprocess.run(line, cwd=copy, env=env, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    return done.stdout
+    process = subprocess.run(line, cwd=copy, env=env, capture_output=True, text=True, check=False)
+    assert process.returncode == 0, process.stderr
+    return process.stdout
 
 
 def run(copy, *arguments):
@@ -227,15 +227,15 @@ def test_a_page_is_a_file_and_a_line(copy):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("module", "made"),
+    ("module", "path"),
     [
         ("sample_store", "tables/journal.jsonl"),
         ("theory", "sample_logs/figures/theory/law.png"),
         ("gallery", "calib/manual/gallery.md"),
     ],
 )
-def test_other_numbers_are_written_by_a_module(module, made, tmp_path):
+def test_other_numbers_are_written_by_a_module(module, path, tmp_path):
     folder = copied(tmp_path)
-    written = (folder / made).stat().st_mtime_ns
+    written = (folder / path).stat().st_mtime_ns
     started(folder, "-m", f"tests.support.{module}")
-    assert (folder / made).stat().st_mtime_ns > written
+    assert (folder / path).stat().st_mtime_ns > written
