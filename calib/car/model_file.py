@@ -137,11 +137,14 @@ def read_model(path: Path, vehicle: Vehicle) -> Model:
 def _user_defined(
     document: Mapping[str, Any], effects: Effects, path: Path
 ) -> dict[str, DefinedIn]:
-    """Return the effects of the user by name. Raises ModelError for a file not given or changed."""
+    """Return the user's effects by name: those of the vehicle, and those that the model names.
+
+    Raises ModelError for a file that was not given with --effect, or that has changed.
+    """
     sections = record.validated(document, _OwnEffects, path, ModelError).own_effects
-    defined = {name: DefinedIn(entry.file, entry.sha256) for name, entry in sections.items()}
-    files = {name: x for name, x in effects.user_defined.items() if isinstance(x, OwnEffect)}
-    all_own = catalogue.with_files(defined, files, path)
+    named = {name: DefinedIn(entry.file, entry.sha256) for name, entry in sections.items()}
+    given = {name: x for name, x in effects.user_defined.items() if isinstance(x, OwnEffect)}
+    all_own = catalogue.with_files(named, given, path)
     return {name: catalogue.require_file(name, effect, path) for name, effect in all_own.items()}
 
 

@@ -21,7 +21,9 @@ from calib.run.driving_record import BITE_Z, DrivingRecord
 _NEEDED = ("p_mc", "a_x", *WHEEL_SPEEDS)
 _IN_TIME = bounds_of("pressure_late")[1]  # largest delay of a pressure that is in time [s]
 _UNBRAKED, _ROLLED = 0.04, 0.3  # largest deceleration without a brake [g], time of it needed [s]
-_CUT = 0.85  # share of unbraked samples at 0 from which the zero is too low; a right one has 2/3
+_CUT = 0.85
+"""Share of unbraked samples at exactly 0 above which the zero of p_mc is too low; noise about a
+right zero, cut at 0, gives 2/3."""
 _PRESSED = 20e5  # pressure from which left and right sensor agree in proportion [Pa]
 _BEYOND_CARS = {"v": "v_beyond_cars", "omega": "wheel_beyond_cars", "a": "a_x_beyond_cars"}
 """Code of a value that no car reaches, by the first part of the channel's name."""
@@ -57,7 +59,7 @@ def sensors(evidence: Evidence) -> Iterator[Measured]:
         elif name in _NEEDED:
             times = ", ".join(f"{start:.2f} to {end:.2f} s" for start, end in sensor.stuck)
             yield Measured("stuck", longest, words={**words, "times": times})
-            yield Measured("end_of_range", sensor.saturated, words=words)
+            yield Measured("end_of_range", sensor.saturated, words=words)  # refuses a fit
         yield Measured("saturated", sensor.saturated, words=words)
         code = _BEYOND_CARS.get(name.partition("_")[0])
         if code is not None:
@@ -80,7 +82,7 @@ def pressure(evidence: Evidence) -> Iterator[Measured]:
         return
     delay, names = next(iter(run.pressures.values())), ", ".join(run.pressures)  # one delay for all
     cause = f"{names} {'are' if len(run.pressures) > 1 else 'is'} {delay.words}"
-    # on a ramp a zero that is too low looks like a delay; a correct zero has noise
+    # on a ramp a zero that is too low looks like a delay
     if master.low == 0.0 and master.flat > _CUT and delay.nearest_to_zero < 0.0:
         cause = f"a zero of p_mc that is too low, so that it is cut at 0, or {cause}"
     words = {"how": cause, "entry": f"{delay.entry} to {names}"}

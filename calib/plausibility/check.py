@@ -78,7 +78,7 @@ def check(log: Log, vehicle: Vehicle | None = None) -> Findings:
 
 
 def unseen(run: Run) -> tuple[str, ...]:
-    """Channels whose scale no log shows; an error of the scale moves all pads as much."""
+    """Channels whose scale no log shows; its error changes each pad friction in proportion."""
     scaled = ("p_mc",) if "v" in run.present else ("p_mc", "a_x")
     return tuple(name for name in scaled if name in run.present)
 

@@ -150,7 +150,8 @@ def held_time(log: Log, channel: str = "v", moving: float = MOVING) -> float:
 def _before_braking(time: Array, pressure: Array, step: float) -> Mask:
     """Mask (n,) until `SETTLE` before the first braking; all true without one.
 
-    It ends earlier if the pressure leaves its level at rest earlier, as with a slow pedal.
+    It ends earlier if the pressure leaves its level at rest earlier, as with a slow pedal, and
+    another `_SHORT` earlier, since the pressure is averaged over that time.
     """
     smooth = trailing_mean(pressure, samples_in(_SHORT, step))
     braked = np.flatnonzero(smooth > BITE)
@@ -174,7 +175,8 @@ def _undisturbed(eta: Array, rolling: Mask, step: float) -> Mask:
     lead_in = smooth[rolling]
     is_coast = rolling[-1]
     usual = np.median(lead_in if is_coast else lead_in[-round(_LAST / step) :])
-    # means so far apart share no sample and differ by the noise of both; few span a step of eta
+    # Means 4 widths apart share no sample: their difference has sqrt(2) of the noise of one. A jump
+    # of eta lies within few of the differences, which `scatter` ignores.
     differences = np.abs(lead_in[4 * width :] - lead_in[: -4 * width])
     sigma = max(scatter(differences) / math.sqrt(2.0), _FINEST)
     disturbed = np.abs(smooth - usual) > _DISTURBED * sigma

@@ -12,8 +12,8 @@ Columns that change places move the E of the car to another part, with this sign
     fl with rl: X = -E      fr with rr: X = E      exchanged on one side
     fl with rr: L = -E      fr with rl: L = E      exchanged on a diagonal
 
-One wheel that brakes more or less changes |X| and |L| alike, and a bend only L. So X alone shows
-exchanged columns.
+One wheel that brakes more or less changes |X| and |L| alike, and a bend only L. So a large X with a
+small L shows columns exchanged on one side.
 """
 
 from dataclasses import dataclass

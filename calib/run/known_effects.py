@@ -7,7 +7,7 @@
 
 Whatever else slows body or wheels (drag, grade, engine) or moves load (pitch) stays in the balance
 of forces, where a fit and an estimate account for it (`calib.estimation.known`). So does a logged
-torque of engine or motor: do not specify ``engine_drag`` with such a log, or both are removed.
+torque of engine or motor: with ``engine_drag`` beside such a log the same torque counts twice.
 """
 
 from dataclasses import dataclass, replace
@@ -91,7 +91,7 @@ def _without_brake_effects(
 ) -> tuple[dict[str, Array], tuple[Array, Array]]:
     """Wheel pressures that make the same torques without effects; factors of the pad friction."""
     logged = {w: log[f"p_{w}"] for w in WHEELS if f"p_{w}" in log}
-    pedal = constant_speed(log.time, log["p_mc"], 0.0, source=log.source)
+    pedal = constant_speed(log.time, log["p_mc"], 0.0, source=log.source)  # for its pressure alone
     brakes = brakes_of(model, pedal, logged)
     torques = brakes.torques(history)
     for _ in range(_HEAT_ITERATIONS):
@@ -109,13 +109,16 @@ def _without_brake_effects(
 
 
 def _true_motion(model: Model, log: Log) -> RunHistory:
-    """Motion of the car, with the errors of the accelerometer undone by iteration, without heat."""
+    """Motion of the car, with the errors of the accelerometer undone by iteration.
+
+    Friction heat is computed later; disc temperatures are those that are logged.
+    """
     car = model.vehicle
     omega = {a: 0.5 * (log[f"omega_{a}l"] + log[f"omega_{a}r"]) for a in AXLES}
     v = log["v"] if "v" in log else car.rear.rolling_radius * omega["r"]
-    heat = {a: log[f"T_disc_{a}"] for a in AXLES if f"T_disc_{a}" in log}
+    temperatures = {a: log[f"T_disc_{a}"] for a in AXLES if f"T_disc_{a}" in log}
     run = replace(
-        constant_speed(log.time, log["p_mc"], float(v[0]), heat, log.source),
+        constant_speed(log.time, log["p_mc"], float(v[0]), temperatures, log.source),
         v=v,
         angle_f=integral(log.time, omega["f"]),
         angle_r=integral(log.time, omega["r"]),
@@ -147,7 +150,8 @@ def _speeds_in_time(effects: Effects, log: Log, history: RunHistory) -> dict[str
         v = in_time["v"] = log["v"] + (gained - delayed(log.time, gained, v_delay))
     if omega_delay:
         change = gained - delayed(log.time, gained, omega_delay)
-        earlier_v = v - change if "v" in log else v  # without v it is that of the late wheels
+        # without a logged v, v was computed from the late wheels, so it is the earlier one
+        earlier_v = v - change if "v" in log else v
         ratio = 1.0 + change / np.maximum(earlier_v, MOVING)
         in_time |= {f"omega_{w}": log[f"omega_{w}"] * ratio for w in WHEELS}
     return in_time

@@ -14,7 +14,8 @@ from calib.run.filters import centred_mean, samples_in
 
 _HOLD = 0.1  # width over which a constant pressure is averaged [s]
 _WIDEST = 8  # largest lag of a third difference [samples]
-_INTERPOLATED = 1.5  # least noise at larger lags over that at lag one, if interpolated [1]
+_INTERPOLATED = 1.5
+"""A pressure is interpolated if its noise at larger lags is this many times that at lag one [1]."""
 RELEASED = 0.4e5  # a constant pressure below this [Pa] counts as zero: springs keep the pads off
 _NOISE = 4.0  # largest deviation by noise [sigma]
 _CONSTANT = 2.0 * _NOISE  # range of a constant pressure within 2 `_HOLD` [sigma]

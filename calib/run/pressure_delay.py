@@ -79,7 +79,8 @@ def delays_of(log: Log, driving: DrivingRecord, limit: float) -> dict[str, Press
     """Delay of z after the pressures, by channel; one delay for all channels.
 
     The log is used up to the ``limit`` [s], the first deep slip. If both wheel pressures of an axle
-    are logged, they count instead of ``p_mc``, which does not show a motor, booster or hold.
+    are logged, wheel pressures count instead of ``p_mc``, which does not show a motor, booster or
+    hold; an axle without them keeps ``p_mc``.
     """
     channels, pressures = ["p_mc"], [log["p_mc"]]
     if wheels := [f"p_{w}" for w in WHEELS if f"p_{w[0]}l" in log and f"p_{w[0]}r" in log]:
@@ -135,7 +136,7 @@ def _means(time: Array, use: Mask, *signals: Array) -> tuple[Array, Mask, list[A
 def _shifted(
     time: Array, pressures: Sequence[Array], rows: Index, braked: Mask
 ) -> tuple[Array, Mask, Array]:
-    """Delays for which enough of p(t - delay) is known (m,), where it is (m, n), and p (k, m, n).
+    """Delays with enough of p(t - delay) in the log (m,), which of p is in it (m, n), p (k, m, n).
 
     The times t are those of ``rows`` (n,), ``braked`` or not.
     """

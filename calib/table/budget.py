@@ -24,7 +24,7 @@ Parts = dict[str, float]  # standard deviation of ln of a pad friction [1], by p
 _Variances = Mapping[str, float]  # variance of ln of the pads' level or ratio [1], by part
 PER_RUN = ("noise", "zeros")
 """Parts that differ from run to run of a car. Any other part, such as mass or road, counts as one
-error common to all cars of a line. What differs between cars shows in the scatter between them."""
+error common to all cars of a model; if it differs, the scatter between the cars contains it."""
 RAMP, STOP = "ramp", "stop"  # kinds of a budget: of a fit, of a stop
 _WEIGHED = 0.99 * Vehicle.mass_tolerance  # sigma of a mass below which the car was weighed [1]
 
@@ -165,10 +165,11 @@ class LevelAndRatio(NamedTuple):
 
 
 def grade_sigma(vehicle: Vehicle) -> float:
-    """Standard deviation of ln of the pads' level [1] if all pads are of one grade and err alike.
+    """Standard deviation of ln of the friction of a grade of pads [1].
 
     It is the tolerance of the front pads in the file, else the usual standard deviation of ln of
-    the pads' ratio over sqrt(2), since a ratio has the errors of two axles.
+    the pads' ratio over sqrt(2), since that is the ratio of two grades, one for each axle. With one
+    grade on both axles it is that of the level, too.
     """
     tolerance = vehicle.front.pad_friction_tolerance
     return CAR.log_pad_ratio.sigma / math.sqrt(2.0) if tolerance is None else tolerance
@@ -183,6 +184,6 @@ def level_and_ratio(vehicle: Vehicle, pads: Calibration) -> LevelAndRatio:
 
 
 def pad_scale(vehicle: Vehicle, pads: LevelAndRatio) -> float:
-    """Factor on the pads of the file [1], beside exp(ratio/2) in front and exp(-ratio/2) behind."""
+    """Factor s [1]: pads are s exp(ratio/2) in front, s exp(-ratio/2) behind, times the file's."""
     share, factor = front_share(vehicle, 0.0), math.exp(0.5 * pads.ratio)
     return math.exp(pads.level) / (share * factor + (1.0 - share) / factor)

@@ -121,7 +121,7 @@ class PadMap(Map):
 
     shift: Array  # (eta - 1)/z
     slip: Array  # ln(slip/z) less `log_slip`, over `log_slip_sigma`
-    ratio: Array  # ln of front over rear brake force, less that of the file's pads at one pressure
+    ratio: Array  # ln of front over rear brake force at equal pressure, less that of the file
     ratio_lower: Array
     ratio_upper: Array
     change: Array  # ln of front over rear pad friction, relative to the ramp

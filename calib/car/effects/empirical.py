@@ -43,8 +43,14 @@ run. The temperature is that of the discs of an axle in `AXLES_OF`.
 AXLES_OF = {"front": "f", "rear": "r", "both": "fr", "body": "f"}
 """Axles whose discs give the temperature of a term, by part of the car. Front discs heat most."""
 
-_TEXTS = ("not known", "linear between knots", "the runs it was fitted to", "their residual")
-_CARD = Card("empirical_term", *_TEXTS, parameters=())
+_CARD = Card(
+    name="empirical_term",
+    cause="not known",
+    equation="linear between knots",
+    source="the runs it was fitted to",
+    looks_like="the residual of these runs",
+    parameters=(),
+)
 
 
 def effect_of(term: EmpiricalTerm) -> Effect:
