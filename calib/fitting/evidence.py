@@ -1,13 +1,13 @@
 """The evidence of a hypothesis on ramps or stops: how well it predicts eta, slip and forces.
 
-The evidence is a product of two likelihoods, with the nominal brake force N:
+The evidence is the product of two likelihoods. The first is that of the brake force by a_x, (5) and
+(17) of the paper, with the nominal brake force N:
 
-    brake force = level N(pressure) (1 + discrepancy) + force of the mistake     by a_x, (5), (17)
-    forces of the axles --tyres--> slips -> eta                            by the wheels, (13)-(22)
+    brake force = level N(pressure) (1 + discrepancy) + force of the mistake
 
-`_SumOfForces` has the first, `calib.fitting.regression` the second. `Evidence` averages their
-product over draws of pads and tyres and over sizes of the mistake; times the prior odds, it gives
-the odds of a `Cause`.
+The second is that of eta and slip by the wheel speeds, (13) to (22). `_SumOfForces` has the first,
+`calib.fitting.regression` the second. `Evidence` averages their product over draws of pads and
+tyres and over sizes of the mistake; times the prior odds, it gives the odds of a `Cause`.
 """
 
 import copy
@@ -34,13 +34,14 @@ _DRAWS = 512  # draws of pads and tyres
 _ANY_PADS = 0.5  # standard deviation of ln of the pads' ratio of the draws [1]
 _POINTS = 14  # means of the sum of forces on a ramp, at most
 _TREND = 0.05  # standard deviation of the change of the pads' level over a ramp [1]
-_DISCREPANCY, _LENGTH = 0.015, 0.15  # of pads from a constant friction [1]; how long it is in z [1]
+_DISCREPANCY = 0.015  # relative standard deviation of the pads from a constant friction [1]
+_LENGTH = 0.15  # correlation length in z of this discrepancy [1]
 _ZERO = 0.002  # standard deviation of the zero of the sum of forces over the weight [1]
 
-_LIKELY, _FIRST = 32, 64  # draws that screen mistakes: the likeliest ones, and the first ones
+_LIKELY, _FIRST = 32, 64  # numbers of draws that screen mistakes: the likeliest, and the first
 SCREENING_ERROR = 4.0  # error of ln of the odds by these draws, at most where the odds can decide
 NEVER = -1e6  # ln of the odds of a hypothesis that no draw explains
-_NEAR = 6.0  # a mistake whose ln of the evidence is lower by this is tried at its first sizes only
+_NEAR = 6.0  # a mistake more than this below "nothing wrong" in ln evidence gets no further sizes
 _STEP = 0.05  # first step of the search of the best size, over the range of sizes [1]
 _TRIALS = 40  # largest number of sizes that the search tries
 _CHANGE = 0.01  # change of ln of the evidence at which the search ends
@@ -66,11 +67,12 @@ class _Level(NamedTuple):
     log_evidence: float  # a sum over the runs
     log_level: float  # ln of the pads' level, a mean over the runs [1]
     square: float  # sum of squared residuals over their errors [1]
+    count: int  # number of these residuals
 
 
 @cache
 def _draws(other_road: bool) -> tuple[Ensemble, Array, Array]:
-    """Return `draw_cars` by the default prior, but with wide pads' ratios.
+    """Return the cars, centre and root of `draw_cars` by the default prior, with pads of any ratio.
 
     With ``other_road`` every second draw is on another road, as a stop may be.
     """
@@ -80,12 +82,13 @@ def _draws(other_road: bool) -> tuple[Ensemble, Array, Array]:
     e, centre, root = draw_cars(x[:, :DRAWN], ())
     e = replace(e, log_pad_ratio=_ANY_PADS * x[:, -1])
     if other_road:
-        (_, mean), (_, sigma) = STOP.log_peak.mean, STOP.log_peak.sigma  # of the other road
+        peaks, case = STOP.log_peak, STOP.log_peak.cases.index("other road")
         on_other = np.arange(e.size) % 2
         normal_peak = (np.log(e.peak) - CAR.peak.mean) / CAR.peak.sigma
-        log_peak = np.where(on_other, mean + sigma * normal_peak, np.log(e.peak))
-        stiffer = STOP.log_stiffness.mean[1] + STIFFENING * (log_peak - math.log(DRY_PEAK))
-        softer = np.where(on_other, np.exp(-stiffer), 1.0)
+        other_peak = peaks.mean[case] + peaks.sigma[case] * normal_peak
+        log_peak = np.where(on_other, other_peak, np.log(e.peak))
+        stiffer = STOP.log_stiffness.mean[case] + STIFFENING * (log_peak - math.log(DRY_PEAK))
+        softer = np.where(on_other, np.exp(-stiffer), 1.0)  # factor of the compliances
         centre[:, :2] *= softer[:, None]
         root[:, :2] *= softer[:, None, None]
         e = replace(e, peak=np.exp(log_peak))
@@ -145,7 +148,8 @@ class _SumOfForces:
         level = float(sums.unit @ forces) / sums.information
         residual = forces - level * sums.unit
         square = float(residual @ residual)
-        return _Level(sums.log - 0.5 * square, math.log(max(level, 1e-2)), square)
+        log_level = math.log(max(level, 1e-2))
+        return _Level(sums.log - 0.5 * square, log_level, square, residual.size)
 
 
 class Evidence:
@@ -161,10 +165,10 @@ class Evidence:
         self._solution = self._regression.solve(*self._draws, self._loaded)
 
     def screened(self, mistakes: Sequence[Hypothesis], pads: Sequence[Cause]) -> list[Cause]:
-        """Return the causes of ``mistakes`` by few draws: likely ones with other pads, and others.
+        """Return the causes of ``mistakes`` by few draws.
 
-        ``pads`` are the hypotheses on pads by all draws, "nothing wrong" first. The odds are scaled
-        so that the best of ``pads`` keeps its odds.
+        ``pads`` are the causes of the hypotheses on pads by all draws, "nothing wrong" first. All
+        odds by few draws get one factor, which gives the best of ``pads`` its odds by all draws.
         """
         priors = [self._log_prior(self._level.log_level, c.hypothesis.pads) for c in pads]
         by_draw = self._solution.log_evidence + np.max(priors, axis=0)
@@ -173,7 +177,7 @@ class Evidence:
         by_pads = [screening.cause_of_pads(c.hypothesis).log_odds for c in pads]
         nothing, best = by_pads[0], max(by_pads)
         correction = max(c.log_odds for c in pads) - best
-        # a mistake far worse than other pads at the listed sizes is not searched between them
+        # a mistake less likely than halfway between these two is not searched between listed sizes
         search_from = 0.5 * (nothing + best)
         causes = screening.causes_of(mistakes, nothing - SCREENING_ERROR, search_from)
         return [replace(cause, log_odds=cause.log_odds + correction) for cause in causes]
@@ -193,17 +197,17 @@ class Evidence:
     def causes_of(
         self, mistakes: Sequence[Hypothesis], nothing: float, search_from: float
     ) -> list[Cause]:
-        """Return the causes of ``mistakes``; ``nothing`` is ln of the odds of "nothing wrong".
+        """Return the causes of ``mistakes``.
 
-        The best size is searched for between the listed sizes if ln of its odds is above
-        ``search_from``.
+        ``nothing`` is ln of the odds of "nothing wrong", less their error; see `_NEAR`. The best
+        size is searched for between the listed sizes if ln of its odds is above ``search_from``.
         """
         by_size = self._by_size([(h, size) for h in mistakes for size in h.first])
         likely = [h for h in mistakes if max(by_size[h].values())[0] > nothing - _NEAR]
         pairs = [(h, size) for h in likely for size in h.sizes if size not in by_size[h]]
         for h, further in self._by_size(pairs).items():
             tried = by_size[h] | further
-            by_size[h] = {size: tried[size] for size in h.sizes}  # equally likely ones alone
+            by_size[h] = {size: tried[size] for size in h.sizes}  # not first sizes beyond the list
         return [self._cause(h, sizes, search_from) for h, sizes in by_size.items()]
 
     def _cause(self, h: Hypothesis, by_size: _BySize, search_from: float = math.inf) -> Cause:
@@ -242,9 +246,9 @@ class Evidence:
 
     def _by_size(self, pairs: Sequence[tuple[Hypothesis, Size]]) -> "dict[Hypothesis, _BySize]":
         """Return `_BySize` of each hypothesis in ``pairs`` of hypothesis and size."""
-        undone = [[h.undo(run, size) for run in self._runs] for h, size in pairs if h.undo]
-        if not undone:
+        if not pairs:
             return {}
+        undone = [[h.undo(run, size) for run in self._runs] for h, size in pairs]
         solutions = self._regression.with_forces_of(undone).solve(*self._draws, self._loaded)
         by_size: dict[Hypothesis, _BySize] = {h: {} for h, _ in pairs}
         for i, (h, size) in enumerate(pairs):
@@ -256,14 +260,14 @@ class Evidence:
         by_draw = solution.log_evidence + self._log_prior(level.log_level, h.pads)
         residual = solution.residual(int(np.argmax(by_draw)))
         square = level.square + float(residual @ residual)
-        misfit = square / (residual.size + _POINTS * len(self._runs))
+        misfit = square / (residual.size + level.count)
         return _log_mean(by_draw) + level.log_evidence, misfit
 
     def _level_of(self, runs: Sequence[RampRun]) -> _Level:
         """Return the level by the forces of all ``runs``."""
         by_run = [forces.read(run) for forces, run in zip(self._sums, runs, strict=True)]
-        log, level, square = zip(*by_run, strict=True)
-        return _Level(sum(log), float(np.mean(level)), sum(square))
+        log, level, square, count = zip(*by_run, strict=True)
+        return _Level(sum(log), float(np.mean(level)), sum(square), sum(count))
 
     def _log_prior(self, log_level: float, pads: tuple[float, float]) -> Array:
         """Return ln of the prior density of level and ratio (n,), over that of the draws.

@@ -32,7 +32,7 @@ DELAYS = (0.012, 0.02, 0.03, 0.045, 0.07, 0.1)  # of the wheel speeds of an axle
 _DRAGS = (1e5, 2e5, 3e5, 4.5e5, 7e5)  # residual pressures in one brake [Pa]
 _LEAST_DRIVE = 20.0  # a smaller logged torque of a braking car is noise [N m]
 
-# Sizes that are tried first: two or three of each list; of a motor and a valve, sizes between them.
+# Sizes that are tried before all others. Those of a motor and of a valve lie between listed ones.
 _FIRST_FACTORS, _FIRST_MOTORS = ((-1.0,), (2.0,), (9.0,)), ((250.0, 8e5), (700.0, 12e5))
 _FIRST_DELAYS, _FIRST_DRAGS = ((0.03,), (0.07,)), ((2e5,), (4.5e5,))
 _FIRST_KNEES = ((15e5, 0.3), (25e5, 0.3))
@@ -45,13 +45,13 @@ Size = tuple[float, ...]
 
 @dataclass(frozen=True, eq=False)
 class Hypothesis:
-    """A mistake, or pads unlike those of the file without a mistake."""
+    """A mistake; or no mistake, but pads unlike those of the file."""
 
     code: str  # of the mistake in `rules.csv`, "" for pads alone
     odds: float  # prior odds, 1 for "nothing wrong" [1]
     sizes: tuple[Size, ...] = ((),)  # equally likely sizes
     first: tuple[Size, ...] = ((),)  # sizes that are tried before the others
-    undo: Callable[[RampRun, Size], RampRun] | None = None  # return a run without the mistake
+    undo: Callable[[RampRun, Size], RampRun] = lambda run, _: run  # return it without the mistake
     pads: tuple[float, float] = (USUAL_PADS, USUAL_PADS)
     """Standard deviation of ln of the friction of front and of rear pads over the file's [1]."""
     axle: str = ""  # axle with the mistake, "f" or "r"

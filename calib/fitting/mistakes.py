@@ -30,10 +30,9 @@ from calib.fitting.hypotheses import (
 )
 from calib.model.ramp import RampRun
 
-_EXPLAINED = 2.5  # a hypothesis of less `Cause.misfit` explains the ramp
-_GAIN, _MOSTLY = 2.5, 8.0
-"""A hypothesis also explains the ramp if its misfit is less than that of "nothing wrong" divided by
-the first, and less than the second."""
+_EXPLAINED, _MOSTLY, _GAIN = 2.5, 8.0, 2.5
+"""A hypothesis explains the ramp if its `Cause.misfit` is below `_EXPLAINED`; or below `_MOSTLY`,
+and below the misfit of "nothing wrong" over `_GAIN`."""
 
 _IN_WORDS = {
     MOTOR: "a motor that brakes the {axle} wheels by up to {size:.0f} N m, and is not logged",

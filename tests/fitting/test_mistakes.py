@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 
 from calib.fitting.evidence import Evidence
+from calib.fitting.hypotheses import Hypothesis
 from calib.fitting.mistakes import causes_of, named
 from calib.logs.log import Log
 from tests.support.plant import as_log, drive
 from tests.support.reference_car import CAR, REAL, noisy, prepared, ramp
 
 TORQUE, FULL = 450.0, 8e5
-"""Of a motor on the front wheels [N m], and the pressure at which it has that [Pa]."""
+"""Largest torque of a motor on the front wheels [N m], and the pressure of that torque [Pa]."""
 
 
 def pressure(t: float) -> float:
@@ -26,7 +27,7 @@ def torque(t: float) -> float:
 
 @cache
 def electric() -> Log:
-    """A ramp in which a motor brakes the front wheels along; its torque is in the log."""
+    """A ramp in which a motor also brakes the front wheels; its torque is in the log."""
     plant = replace(REAL, motor=lambda t: (torque(t), 0.0))
     return noisy(as_log(drive(plant, pressure, 33.0, duration=9.5, stop_speed=8.0), "ramp"), 4)
 
@@ -35,8 +36,8 @@ def electric() -> Log:
 def valved() -> Log:
     """A ramp of a car with a valve behind: p_mc alone is in the log."""
     rear = lambda t: min(pressure(t), 15e5 + 0.3 * max(pressure(t) - 15e5, 0.0))  # noqa: E731
-    own = {"fl": pressure, "fr": pressure, "rl": rear, "rr": rear}
-    run = drive(REAL, pressure, 33.0, duration=9.5, stop_speed=8.0, wheel_pressure=own)
+    pressures = {"fl": pressure, "fr": pressure, "rl": rear, "rr": rear}
+    run = drive(REAL, pressure, 33.0, duration=9.5, stop_speed=8.0, wheel_pressure=pressures)
     log = noisy(as_log(run, "ramp"), 5)
     return replace(log, channels={k: x for k, x in log.channels.items() if k[:3] not in WHEELS})
 
@@ -74,7 +75,7 @@ def test_a_motor_that_is_not_logged_is_named_with_its_torque():
 
 
 def test_a_motor_of_any_size_is_told_from_a_valve():
-    """Its torque and the pressure at which it has that lie between those that are tried first."""
+    """Its torque, and the pressure of full torque, lie between the sizes that are tried first."""
     motor = lambda t: (0.0, -250.0 * min(pressure(t) / 12e5, 1.0))  # noqa: E731
     run = drive(replace(REAL, motor=motor), pressure, 33.0, duration=9.5, stop_speed=8.0)
     log = noisy(as_log(run, "ramp"), 12)
@@ -108,8 +109,9 @@ def test_wheel_speeds_that_are_late_are_named_with_their_delay(axle):
 
 
 def test_a_brake_that_drags_is_named_with_its_pressure():
-    own = dict.fromkeys(("fr", "rl", "rr"), pressure) | {"fl": lambda t: max(pressure(t), 5e5)}
-    run = drive(REAL, pressure, 33.0, duration=9.5, stop_speed=8.0, wheel_pressure=own)
+    pressures = dict.fromkeys(("fr", "rl", "rr"), pressure)
+    pressures["fl"] = lambda t: max(pressure(t), 5e5)
+    run = drive(REAL, pressure, 33.0, duration=9.5, stop_speed=8.0, wheel_pressure=pressures)
     log = noisy(as_log(run, "ramp"), 9)
     log = replace(log, channels={k: x for k, x in log.channels.items() if k[:3] not in WHEELS})
     first = named(causes(log))[0]
@@ -129,10 +131,24 @@ def test_nothing_is_named_where_nothing_explains_the_ramp():
     assert named(causes(spoilt)) == ()
 
 
+@pytest.mark.parametrize("blocks", [5, 60])
+def test_misfit_is_a_mean_square_of_as_many_residuals_as_there_are(blocks):
+    """k of the forces, one sigma each, and 2 k of the wheels, 0 each: k/(3 k); k is 14 at most."""
+    run = prepared(noisy(ramp(REAL), 6))
+    first = np.flatnonzero(run.braked)[0]
+    run = replace(run, use=run.use & (np.arange(run.use.size) < first + blocks))
+    evidence, k = Evidence(CAR, [run], other_road=False), min(blocks, 14)
+    fitted = evidence._solution
+    exact = fitted._replace(mean=0.0 * fitted.mean, data=0.0 * fitted.data)
+    level = evidence._level._replace(square=float(k))
+    _, misfit = evidence._weighed(Hypothesis("", 1.0), level, exact)
+    assert misfit == pytest.approx(1.0 / 3.0)
+
+
 def test_what_no_draw_explains_is_no_reason_to_end(monkeypatch):
     weighed, never = Evidence._weighed, (-np.inf, np.nan)
     no_pads = lambda e, h, *more: weighed(e, h, *more) if h.code else never  # noqa: E731
     monkeypatch.setattr(Evidence, "_weighed", no_pads)
-    found = causes(noisy(ramp(REAL), 6))
-    assert all(np.isfinite(cause.log_odds) for cause in found)
-    named(found)
+    all_causes = causes(noisy(ramp(REAL), 6))
+    assert all(np.isfinite(cause.log_odds) for cause in all_causes)
+    named(all_causes)
