@@ -76,7 +76,7 @@ def _measured_eta(car: Vehicle, run: RampRun, path: SlipPrediction) -> Array:
     if np.any(b.drive_f[braked]) or np.any(b.drive_r[braked]):
         z = run.brake_rise[braked] / car.weight / (1.0 + sum(rotating_shares(car)))
         return np.interp(z, path.z, path.eta)
-    eta_rise = b.eta - np.mean(b.eta[run.rolling])  # since the lead-in, whose mean has the radii
+    eta_rise = b.eta - np.mean(b.eta[run.rolling])  # the lead-in shows the ratio of the radii
     return np.asarray(1.0 + eta_rise[braked])
 
 
@@ -131,7 +131,7 @@ def _columns(grid: Array, draws: Array, e: Posterior, measured: list[Array]) -> 
     count = np.count_nonzero(distance < 1.5 * (grid[1] - grid[0]), axis=1).astype(np.float64)
     enough = count >= SETTINGS.min_count
     flags = np.full(grid.size, EXTRAPOLATED)
-    # below the last measured row all are interpolated: in the first row D and force are known, 0
+    # up to the last measured row all others are interpolated, since the first is known: 0
     flags[: np.max(np.flatnonzero(enough), initial=-1) + 1] = INTERPOLATED
     flags[enough] = MEASURED
     parts = parts_of(draws.T, e.pulls)

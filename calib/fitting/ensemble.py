@@ -2,9 +2,9 @@
 
     Ensemble --loaded_tyres--> LoadedTyres --unit_slips--> unit slips --wheel_slips--> slips
 
-Unit slips are slips over the compliance at half the weight. `predict_slips` does
-these steps at once. They hold for quasi-static loads (not while the body pitches) and below the
-peak of the tyre. Shapes: n draws, k decelerations, 2 axles (front, rear).
+Unit slips are those of tyres whose compliance is 1 at an axle load of half the weight.
+`predict_slips` does these steps at once. They hold for quasi-static loads (not while the body
+pitches) and below the peak of the tyre. Shapes: n draws, k decelerations, 2 axles (front, rear).
 """
 
 from dataclasses import dataclass, fields
@@ -142,7 +142,7 @@ class SlipPrediction(NamedTuple):
 
     z: Array  # decelerations (k,)
     eta_rise: Array  # eta - 1 by (22), with the discrepancy of the tyre form; 0 on the lead-in
-    slip: Array  # mean of the apparent slips of the axles by load, with discrepancy; 0 there, too
+    slip: Array  # mean of the apparent slips by load, with the discrepancy; 0 on the lead-in
     forces: Array  # of the tyres, over the loads of the vehicle file (2, n, k)
     slips: Array  # true slips of the tyres (2, n, k)
     rolls: Mask  # whether both axles roll, see `LoadedTyres.unit_slips`, and no tyre slides
@@ -165,10 +165,10 @@ def predict_slips(
 ) -> SlipPrediction:
     """Predict eta and slips where the brakes alone slow the car.
 
-    The force ``brake`` of both axles is over the weight, ``log_ratio`` of the pads is that of
-    `front_share`; both broadcast to (n, k). The discrepancies are read at the measured
-    decelerations ``z`` (k,). All are [1]. ``peak`` as in `loaded_tyres`, ``softer`` as in
-    `wheel_slips`.
+    ``brake`` is the force of both axles over the weight, ``log_ratio`` is ln of front over rear
+    brake force, less that of the file's pads at one pressure; both broadcast to (n, k). The
+    discrepancies are read at the measured decelerations ``z`` (k,). All are [1]. ``peak`` as in
+    `loaded_tyres`, ``softer`` as in `wheel_slips`.
     """
     z_brakes = brake / (1.0 + sum(rotating_shares(car)))  # deceleration by the brakes alone [1]
     forces = np.stack(tyre_forces(car, front_share(car, log_ratio), brake, z_brakes))

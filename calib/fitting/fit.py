@@ -51,7 +51,8 @@ from calib.table.table import (
     Value,
 )
 
-_CONTRADICT = "v or a_x, which contradict each other: the clock, the scale or a filter of one"
+_V_OR_A_X = "v or a_x, which contradict each other: the clock, the scale or a filter of one"
+"""Likely cause of impossible pads where a warning says that v and a_x disagree."""
 
 
 def fit(
@@ -119,8 +120,8 @@ def fit(
     quarter = ensemble.take_with_pulls(slice(None, None, 4))  # enough draws for curves
     path, z_end = _path(car, quarter, full, refused)
     pads, budget = _calibration(car, ensemble, full, resistance)
-    contradict = any(warning.code in ("a_x_scale", "a_x_against_v") for warning in warnings)
-    likely = _CONTRADICT if contradict else other_than_pads(causes)
+    disagree = any(warning.code in ("a_x_scale", "a_x_against_v") for warning in warnings)
+    likely = _V_OR_A_X if disagree else other_than_pads(causes)
     require_possible_pads(car, pads, warnings, likely)
     difference, paper = difference_curves(car, quarter, full, z_end)
     pad_map, level_map = maps(car, ensemble, pressure_odds(full))

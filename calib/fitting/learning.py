@@ -34,6 +34,7 @@ _WITHIN = 0.3  # scatter around each of these values, which are 1 apart [standar
 _STEP = 0.02  # step of ln of a peak, or of ln of the pads' ratio, for a derivative [1]
 _SEARCHES = 3  # steps of Newton's method to the likeliest pads
 _LONGEST_STEP = 0.3  # of Newton's method, in ln of the pads' ratio [1]
+_LEAST_PRECISION = 1.0  # of ln of the pads' ratio, if eta and slip hardly depend on it [1]
 _LARGEST_RMS = 3.0  # of the residuals over their errors, above which no draw explains a stop [1]
 
 
@@ -101,9 +102,11 @@ def _roads(e: Ensemble) -> Iterator[tuple[float, Array, Array, tuple[float, floa
         weights = np.exp(-0.5 * values**2)
         sigmas = float(peaks.sigma[i]) * (_WITHIN if on_other else 1.0), float(stiffness.sigma[i])
         for x, weight in zip(values, shares[i] * weights / weights.sum(), strict=True):
-            # the peak of another road is absolute, the others are relative to that of the ramp
-            peak = np.exp(peaks.mean[i] + peaks.sigma[i] * x) * (1.0 if on_other else e.peak)
-            stiffer = stiffness.mean[i] + STIFFENING * on_other * np.log(peak / DRY_PEAK)
+            peak, stiffer = np.exp(peaks.mean[i] + peaks.sigma[i] * x), stiffness.mean[i]
+            if on_other:  # its peak is absolute, those of the others are relative to the ramp's
+                stiffer = stiffer + STIFFENING * np.log(peak / DRY_PEAK)
+            else:
+                peak = peak * e.peak
             yield float(weight), peak * np.ones(e.size), stiffer * np.ones(e.size), sigmas
 
 
@@ -114,9 +117,10 @@ def _log_likelihood_on(
 
     ``e`` has the peak of the road; ``stiffer`` and ``sigmas`` as in `_roads`.
     """
-    # mean unit slips (2, n, 2) by the rows of eta: at the peak and a step beyond, of each axle
+    # unit slips are the factors of the compliances in the rows of eta, the first half of all rows;
+    # their means (2, n, 2): at the peak and a step beyond, of each axle
     rows = [regression.equations(replace(e, peak=x * e.peak))[0] for x in (1.0, math.exp(_STEP))]
-    slips = np.stack([np.abs(x[:, :2, :_GROUPS]).mean(axis=-1) for x in rows])
+    slips = np.stack([np.abs(np.split(x[:, :2], 2, axis=-1)[0]).mean(axis=-1) for x in rows])
     by_peak = np.log(slips[1] / slips[0]) / _STEP * sigmas[0]  # (n, 2)
     # covariance (n, 2, 2) of ln of the compliances: by peak, stiffness and a_x, and each tyre
     alike = sigmas[1] ** 2 + float(STOP.a_x_scale.sigma[0]) ** 2
@@ -134,7 +138,8 @@ def _log_likelihood_on(
     for _ in range(_SEARCHES):
         low, log, high = (log_evidence(change + x) for x in (-_STEP, 0.0, _STEP))
         slope, curvature = (high - low) / (2.0 * _STEP), (2.0 * log - low - high) / _STEP**2
-        precision = np.maximum(curvature, np.maximum(np.abs(slope) / _LONGEST_STEP, 1.0))
+        flattest = np.maximum(np.abs(slope) / _LONGEST_STEP, _LEAST_PRECISION)
+        precision = np.maximum(curvature, flattest)
         change = change + slope / precision
     # Laplace: the likelihood of the change is normal; the prior of the change is a mixture
     pads, of_likelihood = STOP.log_pad_ratio, 1.0 / precision[:, None]

@@ -93,7 +93,7 @@ def scenarios(car: Vehicle, e: Ensemble, count: int = _SCENARIOS) -> _Scenarios:
         return np.asarray((order + 0.5) / count)
 
     def drawn(name: str, case: str = "", axle: str = "") -> Array:
-        """Return draws (n,) of a quantity; ``case`` names the numbers that choose its case."""
+        """Return draws (n,) of a quantity; the numbers of the name ``case`` choose its case."""
         mixture: Mixture = getattr(STOP, name)
         return mixture.drawn(uniform(case or f"{name}{axle} case"), ndtri(uniform(name + axle)))
 
@@ -161,18 +161,21 @@ def maps(car: Vehicle, e: Ensemble, odds: Array | float = 0.0) -> tuple[PadMap, 
     ends = [np.quantile(np.arcsinh(x[rolls] / z / _DENSE), _AXIS_ENDS) for z, x, _, rolls in at_z]
     shifts = _DENSE * np.sinh(np.linspace(np.min(ends), np.max(ends), _SHIFTS))
     orders = [np.argsort(x) for x in (s.log_pad_ratio, s.change)]
-    columns = []
+    pad_rows, level_rows = [], []  # columns of the maps at each z
     for stops, odds_at_z in zip(at_z, np.broadcast_to(odds, _Z.shape), strict=True):
+        z, eta_rise, slip, rolls = stops
         targets = np.stack([s.log_pad_ratio + odds_at_z, s.change])
-        cells, unread = _cells(*stops, shifts, targets, orders)
-        level = np.quantile(s.log_level(stops[0]), _QUANTILES)
-        columns.append((cells, unread | _bounded("level", level)))
-    pad_map, level_map = (
-        {name: np.array([row[name] for row in rows]) for name in rows[0]}
-        for rows in zip(*columns, strict=True)
-    )
-    pads = PadMap.from_grids((_Z, shifts, _SLIP), **pad_map)
-    return pads, LevelMap.from_grids((_Z,), **level_map)
+        cells, unread = _cells(z, eta_rise, slip, rolls, shifts, targets, orders)
+        level = np.quantile(s.log_level(z), _QUANTILES)
+        pad_rows.append(cells)
+        level_rows.append(unread | _bounded("level", level))
+    pads = PadMap.from_grids((_Z, shifts, _SLIP), **_stacked(pad_rows))
+    return pads, LevelMap.from_grids((_Z,), **_stacked(level_rows))
+
+
+def _stacked(rows: Sequence[dict[str, Array]]) -> dict[str, Array]:
+    """Return the columns of a map from its ``rows``, one for each z."""
+    return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
 
 def _cells(
@@ -200,6 +203,7 @@ def _cells(
     log_slip = np.log(np.maximum(slip, 1e-4) / z)
     means, variances = _moments(near, log_slip[None])
     mean, sigma = means[:, 0], np.maximum(np.sqrt(variances[:, 0, 0]), 0.02)
+    # weights (n, 1 + 4 a): first those without eta and slip, then those in each cell
     weights = np.hstack([counts, _slip_weights(near, (log_slip[:, None] - mean) / sigma, least)])
     columns = {"log_slip": mean, "log_slip_sigma": sigma, "share": share / share.sum()}
     cells = {name: np.repeat(x[:, None], _SLIP.size, axis=1) for name, x in columns.items()}
@@ -244,6 +248,7 @@ def _quantiles(x: Array, order: Index, weights: Array) -> Array:
     which the quantile is linear.
     """
     size = x.size // _GROUPS
+    # scenarios of each group: (chunks, groups of a chunk, size)
     groups = order[: size * _GROUPS].reshape(_CHUNKS, -1, size)
     edges = np.append(x[groups[..., 0]], x[groups[-1, -1, -1]])
     sums = [np.ones(size) @ weights.take(chunk, axis=0) for chunk in groups]

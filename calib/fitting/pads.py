@@ -51,8 +51,8 @@ def _levels_of(
     """Return the level of the pads of each run, (runs,) [1], and its errors, (runs, 3).
 
     ``log_ratio`` is ln of the pads' ratio over the file's [1]. The errors are relative standard
-    deviations by noise, resistance and accelerometer. With the demanded force y over the weight the
-    level is sum(z y)/sum(z^2), so an error e of y changes the level by sum(z e)/sum(z^2).
+    deviations by noise, resistance and accelerometer. By least squares, with a force that rises as
+    z, an error e of the demanded force over the weight changes the level by sum(z e)/sum(z^2).
     """
     levels, sigmas = [], []
     for run in runs:
@@ -63,11 +63,12 @@ def _levels_of(
             rolled = b.length * max(run.rolling.size, 1)
             noise = np.hypot(noise, z.sum() / square * run.noise.z / np.sqrt(rolled))
         resistance_sigma = resistance.sigma_z(vehicle, b.speed[run.braked]) @ z / square
-        excess, scale_sigma = LOG.a_x_scale.mean, LOG.a_x_scale.sigma  # by pitch, too
+        # prior of the scale error of a_x, by the sensor and by gravity while the body pitches
+        scale_error, scale_sigma = LOG.a_x_scale.mean, LOG.a_x_scale.sigma
         if run.slip is not None:  # v has corrected a_x, if there was anything to correct
-            excess = 0.0
+            scale_error = 0.0
             scale_sigma = 0.0 if sensor is None else float(np.sqrt(sensor.variance_scale))
-        level = (1.0 - excess) * pad_scale(run, *nominal_forces(vehicle, run, log_ratio))
+        level = (1.0 - scale_error) * pad_scale(run, *nominal_forces(vehicle, run, log_ratio))
         levels.append(max(level, _LEAST_LEVEL))
         sigmas.append([noise, resistance_sigma, scale_sigma])
     return np.array(levels), np.array(sigmas)
@@ -131,7 +132,7 @@ def calibration_of(
     """
     level_sigma = np.sqrt(sum(parts["level"].values()))
     share = front_share(vehicle, ratio.value)
-    half, stiff = np.exp(0.5 * ratio.value), math.exp(stiffness.value)
+    root_ratio, slip_stiffness = np.exp(0.5 * ratio.value), math.exp(stiffness.value)
 
     def with_sigma(value: float, lever: float) -> Value:
         """Return a value with its sigma: d(ln value) = d(ln level) + lever d(ln ratio)."""
@@ -140,9 +141,9 @@ def calibration_of(
     pads = Calibration(
         pad_scale=with_sigma(scale, share - 0.5),
         pad_log_ratio=ratio,
-        pad_friction_f=with_sigma(scale * vehicle.front.pad_friction * half, 1.0 - share),
-        pad_friction_r=with_sigma(scale * vehicle.rear.pad_friction / half, share),
-        slip_stiffness=Value(stiff, stiff * stiffness.sigma),
+        pad_friction_f=with_sigma(scale * vehicle.front.pad_friction * root_ratio, 1.0 - share),
+        pad_friction_r=with_sigma(scale * vehicle.rear.pad_friction / root_ratio, share),
+        slip_stiffness=Value(slip_stiffness, slip_stiffness * stiffness.sigma),
     )
     axles = axle_parts(vehicle, ratio.value, parts["level"], parts["ratio"])
     return pads, TableBudget(*axles, **parts)

@@ -67,7 +67,7 @@ def parts_of(x: Array, pulls: Mapping[str, Array]) -> dict[str, Array]:
     """Return the variance (k,) of functions of the draws ``x`` (k, n), by part of a budget.
 
     The variance by one error is cov(x, pull)^2, which is exact where all is normal and linear. The
-    parts are scaled to add up to the variance of the draws, so sums stand for covariances here.
+    parts are scaled so that they add up to the variance of the draws.
     """
     deviation = x - np.mean(x, axis=1, keepdims=True)
     by_part = {part: np.sum((deviation @ pull) ** 2, axis=1) for part, pull in pulls.items()}
@@ -119,7 +119,7 @@ def posterior(
         columns = [from_prior[:, PLACES[name]] for name in names]
         pulls[part] = np.hstack([pulls.get(part, from_prior[:, :0]), *columns])
     default, *others = np.bincount(prior_index(x, priors), minlength=len(priors) + 1)
-    # each informative prior has 1/len(priors) of as many draws as the default prior
+    # before the ramps the default prior has as many draws as all informative ones together
     counts = len(priors) * np.array(others, dtype=np.float64)
     return Posterior(
         **vars(e) | regression.discrepancies(residual, rng),

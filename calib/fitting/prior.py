@@ -34,10 +34,10 @@ PLACES = {name: np.flatnonzero(np.array(NAMES) == name).tolist() for name in NAM
 DRAWN = len(FORMS) + len(_NONLINEAR)  # number of the nonlinear ones; others are integrated out
 
 COMPLIANCE, _SIGMA = CAR.compliance.mean, CAR.compliance.sigma
-_HALF = 0.5 * CAR.log_tyre_ratio.sigma * COMPLIANCE  # half the difference of the axles, sigma
+_APART = 0.5 * CAR.log_tyre_ratio.sigma * COMPLIANCE  # sigma of half the difference of the axles
 _LINEAR = np.array([COMPLIANCE, COMPLIANCE, CAR.radius_load.mean])
 _TO_LINEAR = np.array(
-    [[_SIGMA, _HALF, 0.0], [_SIGMA, -_HALF, 0.0], [0.0, 0.0, CAR.radius_load.sigma]]
+    [[_SIGMA, _APART, 0.0], [_SIGMA, -_APART, 0.0], [0.0, 0.0, CAR.radius_load.sigma]]
 )
 """(front compliance, rear compliance, fall of the radii) = _LINEAR + _TO_LINEAR @ coordinates."""
 
@@ -79,8 +79,10 @@ def draw_cars(x: Array, priors: Sequence[Prior]) -> tuple[Ensemble, Array, Array
     root, index = np.empty((len(x), 3, 3)), prior_index(x, priors)
     for i, prior in enumerate((_DEFAULT, *priors)):
         rows, factor = index == i, np.linalg.cholesky(prior.covariance)
-        moved = prior.mean + x[rows, :DRAWN] @ factor[:, :DRAWN].T
-        y[rows], centre[rows] = moved[:, :DRAWN], _LINEAR + moved[:, DRAWN:] @ _TO_LINEAR.T
+        # nonlinear coordinates, and the mean of the linear ones given these
+        coordinates = prior.mean + x[rows, :DRAWN] @ factor[:, :DRAWN].T
+        y[rows] = coordinates[:, :DRAWN]
+        centre[rows] = _LINEAR + coordinates[:, DRAWN:] @ _TO_LINEAR.T
         linear = _TO_LINEAR @ factor[DRAWN:, DRAWN:]
         # with the lower triangular root C of the precision: U = C'^-1
         root[rows] = np.linalg.inv(np.linalg.cholesky(np.linalg.inv(linear @ linear.T))).T
@@ -91,12 +93,13 @@ def prior_index(x: Array, priors: Sequence[Prior]) -> Index:
     """Return the prior of each draw (n,): 0 for the default prior, i for the i-th of ``priors``."""
     from scipy.special import ndtr
 
-    shares = np.linspace(0.5, 1.0, len(priors) + 1)[:-1]
-    return np.asarray(np.searchsorted(shares, ndtr(x[:, -1])), dtype=np.int64)
+    # the default prior has the numbers below 1/2, the others have equal parts of those above
+    begins = np.linspace(0.5, 1.0, len(priors) + 1)[:-1]
+    return np.asarray(np.searchsorted(begins, ndtr(x[:, -1])), dtype=np.int64)
 
 
 def log_importance(user_prior: Value, log_ratio: Array) -> Array:
-    """Return ln of user's over default density of pads' ratios (n,), up to a constant."""
+    """Return ln(p_user/p_default) at ``log_ratio`` (n,), for prior densities p up to a factor."""
     r = log_ratio / CAR.log_pad_ratio.sigma
     default = (1.0 - _OTHER_SHARE) * np.exp(-0.5 * r**2)
     default += _OTHER_SHARE / _WIDER * np.exp(-0.5 * (r / _WIDER) ** 2)
@@ -106,8 +109,8 @@ def log_importance(user_prior: Value, log_ratio: Array) -> Array:
 
 
 @cache
-def _tails() -> tuple[Array, Array]:
-    """Return standard normal numbers, and ln(ratio)/sigma of the pads at their quantiles."""
+def _pad_ratio_table() -> tuple[Array, Array]:
+    """Return standard normal numbers, and ln(ratio)/sigma of the pads at the same quantiles."""
     from scipy.special import ndtr, ndtri
 
     r = np.linspace(-9.0, 9.0, 2001)
@@ -116,8 +119,8 @@ def _tails() -> tuple[Array, Array]:
 
 
 @cache
-def _amounts() -> tuple[Array, Array]:
-    """Return standard normal numbers, and ln of gamma variates at their quantiles."""
+def _amount_table() -> tuple[Array, Array]:
+    """Return standard normal numbers, and ln of gamma variates at the same quantiles."""
     from scipy.special import gammaincinv, ndtr
 
     x = np.linspace(-7.0, 7.0, 2001)
@@ -127,7 +130,7 @@ def _amounts() -> tuple[Array, Array]:
 def _cars(y: Array) -> Ensemble:
     """Return cars of nonlinear coordinates ``y`` (n, DRAWN), with linear parameters of 1."""
     columns = y[:, len(FORMS) :].copy()
-    columns[:, _PAD_RATIO] = np.interp(columns[:, _PAD_RATIO], *_tails())
+    columns[:, _PAD_RATIO] = np.interp(columns[:, _PAD_RATIO], *_pad_ratio_table())
     values = dict(zip(_NONLINEAR, (_MEAN + _STD * columns).T, strict=True))
     values |= {name: np.exp(values[name]) for name in _LOGS}
     values |= dict.fromkeys(("compliance_f", "compliance_r", "radius_load"), np.ones(len(y)))
@@ -141,16 +144,16 @@ def _coordinates(e: Ensemble) -> Array:
     # The weights leave the sum of the amounts of forms open: it is drawn. Dirichlet distributed
     # weights times a gamma variate are independent gamma variates.
     amounts = e.forms * rng.gamma(_SPARSE * len(FORMS), size=(e.size, 1))
-    forms = np.interp(np.log(np.maximum(amounts, 1e-30)), *_amounts()[::-1])
+    forms = np.interp(np.log(np.maximum(amounts, 1e-30)), *_amount_table()[::-1])
     values = vars(e) | {name: np.log(getattr(e, name)) for name in _LOGS}
     nonlinear = (np.stack([values[name] for name in _NONLINEAR], axis=1) - _MEAN) / _STD
-    nonlinear[:, _PAD_RATIO] = np.interp(nonlinear[:, _PAD_RATIO], *_tails()[::-1])
+    nonlinear[:, _PAD_RATIO] = np.interp(nonlinear[:, _PAD_RATIO], *_pad_ratio_table()[::-1])
     return np.hstack([forms, nonlinear, np.linalg.solve(_TO_LINEAR, (e.linear - _LINEAR).T).T])
 
 
 def _weights_of(x: Array) -> Array:
     """Return weights of the forms (n, 5) from their standard normal coordinates ``x`` (n, 5)."""
-    amount = np.exp(np.interp(x, *_amounts()))
+    amount = np.exp(np.interp(x, *_amount_table()))
     return np.asarray(amount / amount.sum(axis=1, keepdims=True))
 
 
@@ -165,7 +168,7 @@ def informative_priors(
 def _by_tyres(car: Vehicle, tyres: Sequence[TyreFile]) -> Prior:
     """Return the prior by the tyre file of both axles, or by those of the front and the rear."""
     use = np.linspace(0.1, 0.9, 20)  # force over its peak
-    rows, slips = [], []  # of the axles
+    rows, compliances, slips = [], [], []  # of the axles
     mean, sigma = np.zeros(_FILE_SIGMA.size), _FILE_SIGMA.copy()
     for tyre, axle_load in zip((tyres[0], tyres[-1]), car.static_loads, strict=True):
         loads = 0.5 * axle_load * np.array([0.8, 1.0, 1.25])
@@ -176,14 +179,14 @@ def _by_tyres(car: Vehicle, tyres: Sequence[TyreFile]) -> Prior:
         radius_load = tyre.radius_load(loads[1])
         if radius_load is None:  # the file does not say it: the default prior
             radius_load, sigma[PLACES["radius_load"]] = CAR.radius_load.mean, 1.0
-        rows.append([*-slopes, log_peak, np.exp(-log_stiffness), radius_load])
+        rows.append([*-slopes, log_peak, radius_load])
+        compliances.append(np.exp(-log_stiffness))
         slips.append(np.interp(use, *tyre.curve(loads[1])))
-    *nonlinear, compliance, radius_load = np.mean(rows, axis=0)
+    *nonlinear, radius_load = np.mean(rows, axis=0)
     for name, x in zip(("load_exponent", "peak_load_exponent", "peak"), nonlinear, strict=True):
         mean[PLACES[name]] = (x - getattr(CAR, name).mean) / getattr(CAR, name).sigma
-    front, rear = (row[3] for row in rows)  # compliances
-    mean[DRAWN:] = np.linalg.solve(_TO_LINEAR, [front, rear, radius_load] - _LINEAR)
-    sigma[PLACES["compliance"] + PLACES["log_tyre_ratio"]] *= compliance / COMPLIANCE
+    mean[DRAWN:] = np.linalg.solve(_TO_LINEAR, [*compliances, radius_load] - _LINEAR)
+    sigma[PLACES["compliance"] + PLACES["log_tyre_ratio"]] *= np.mean(compliances) / COMPLIANCE
     covariance, form = np.diag(sigma**2), PLACES["form"]
     mean[form], covariance[np.ix_(form, form)] = _forms_like(use, np.mean(slips, axis=0))
     return Prior(" and ".join(t.name for t in tyres), "tyre_file", mean, covariance)

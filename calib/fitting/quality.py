@@ -133,7 +133,8 @@ def metrics(
 ) -> dict[str, float]:
     """Return the quality metrics of a fit besides those of its residuals.
 
-    ``path`` goes up to the highest z of the ``runs``; ``prior_weight`` in the pads' ratio [1].
+    ``path`` goes up to the highest z of the ``runs``; ``prior_weight`` is that of the prior
+    in the pads' ratio [1].
     """
     z_peak, eta_peak, falls = find_peak(path)
     return {
@@ -182,8 +183,9 @@ def warnings_of(
         if not warning.code.startswith("pad_friction"):
             yield warning
     car = ramps[0].car
-    if ROLLING[0] not in car.effects:
-        yield from rule_warnings(car.name, [Measured("rolling_resistance", identified.mean[1])])
+    (rolling_resistance, _), (_, coefficient) = ROLLING, identified.mean
+    if rolling_resistance not in car.effects:
+        yield from rule_warnings(car.name, [Measured("rolling_resistance", coefficient)])
     of_coasts = identified
     if coasts:
         of_coasts = identify_resistance(car, ((x.blocks, x.noise.z) for x in coasts))

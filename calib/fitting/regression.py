@@ -89,22 +89,23 @@ class _Ramp:
     def _read_wheels(self, run: RampRun) -> tuple[Array, tuple[dict[str, Array], dict[str, Array]]]:
         """Return ``measured`` and ``errors``: by wheel speeds, and by v or else a_x."""
         b, noise, mean, car = run.blocks, run.noise, self._mean, self._car
-        time = self._mean.sizes * b.length
-        eta, by_wheels = mean(b.eta), noise.omega / mean(b.omega_f)
-        zero_by_wheels, ones = by_wheels[0] / np.sqrt(time[0]), np.ones((time.size - 1, 1))
+        eta, time = mean(b.eta), self._mean.sizes * b.length
+        # relative noise n of wheel speeds [sqrt(s)]: a mean over a time T has the error n/sqrt(T)
+        wheel_noise = noise.omega / mean(b.omega_f)
+        zero_error, ones = wheel_noise[0] / np.sqrt(time[0]), np.ones((time.size - 1, 1))
         if run.slip is None:
             slip, of_slip = _slip_by_acceleration(car, run, eta[0], mean, time[1:])
         else:
-            by_v, with_zero = noise.v / mean(b.speed), mean(run.slip)
+            v_noise, with_zero = noise.v / mean(b.speed), mean(run.slip)
             slip = with_zero[1:] - with_zero[0]
             of_slip = {
-                "noise": np.diag(np.sqrt((by_wheels**2 + by_v**2) / time)[1:]),
-                "zeros": np.hypot(zero_by_wheels, by_v[0] / np.sqrt(time[0])) * ones,
+                "noise": np.diag(np.sqrt((wheel_noise**2 + v_noise**2) / time)[1:]),
+                "zeros": np.hypot(zero_error, v_noise[0] / np.sqrt(time[0])) * ones,
                 "clock": (_CLOCK * G * mean(b.z) / mean(b.speed))[1:, None],
             }
         of_eta = {
-            "noise": np.diag((np.sqrt(2.0 / time) * by_wheels)[1:]),
-            "zeros": np.hypot(np.sqrt(2.0) * zero_by_wheels, _DRIFT) * ones,
+            "noise": np.diag((np.sqrt(2.0 / time) * wheel_noise)[1:]),
+            "zeros": np.hypot(np.sqrt(2.0) * zero_error, _DRIFT) * ones,
         }
         return np.array([eta[1:] / eta[0] - 1.0, slip]), (of_eta, of_slip)
 
@@ -179,14 +180,14 @@ class Regression:
     def __init__(self, car: Vehicle, runs: list[RampRun], groups: int | None = _GROUPS) -> None:
         """Read the runs; ``groups`` of blocks of a ramp at most, None for a row of each block."""
         self.car, self.ramps = car, [_Ramp(car, run, groups) for run in runs]
-        kinds, sizes = [], []
+        kinds, sizes = [], []  # of the rows: "eta" or "slip" with the braked axles; sizes
         for ramp in self.ramps:
             for name, measured in zip(_DISCREPANCY, ramp.measured, strict=True):
-                kinds.append(np.full(measured.size, f"{name} {ramp.only}"))
+                kinds.append(np.full(measured.size, f"{name} {ramp.only or 'both'}"))
                 sizes.append(_DISCREPANCY[name] * np.maximum(np.abs(measured), _FINEST))
         kind, size = np.concatenate(kinds), np.concatenate(sizes)
         self.z = np.concatenate([np.tile(ramp.z[1:], 2) for ramp in self.ramps])
-        self.discrepancy_sizes = {name: size * (kind == f"{name} None") for name in _DISCREPANCY}
+        self.discrepancy_sizes = {name: size * (kind == f"{name} both") for name in _DISCREPANCY}
         # rows of two kinds, and of ramps with other braked axles, have independent discrepancies
         correlation = _correlation(self.z, self.z) * (kind[:, None] == kind)
         discrepancy = size[:, None] * size * (correlation + _ROUGH * np.eye(size.size))
@@ -245,9 +246,10 @@ class Regression:
         load, front = tyres.load[..., 1:], unit_slips[..., 0, :, 1:]
         rows = np.empty((*front.shape[:-1], 4, 2 * front.shape[-1]))
         of_eta, of_slip = np.split(rows, 2, axis=-1)
-        of_eta[..., 0, :], of_eta[..., 1, :] = slips[..., 0, :, :], -slips[..., 1, :, :]
+        of_eta[..., 0, :] = slips[..., 0, :, :]
+        of_eta[..., 1, :] = -slips[..., 1, :, :]
         of_eta[..., 2, :] = load_rise[1] - load_rise[0]
-        # (eta - 1) (1 - slip_f) is linear in the compliances; slip_f by the mean compliance
+        # (eta - 1) (1 - slip_f) is linear in the compliances; its slip_f has the mean compliance
         of_eta[..., 3, :] = ramp.measured[..., :1, :] * (1.0 - CAR.compliance.mean * front)
         of_slip[..., :2, :] = (load * slips).swapaxes(-3, -2)
         of_slip[..., 2, :] = -np.sum(load * load_rise, axis=0)
@@ -299,6 +301,7 @@ class Regression:
         """
         clock, near = self.white @ self._errors_by("clock"), _correlation(self.z, DEPART_AT)
         count = clock.shape[1]
+        # the delays given the residuals r, with C = clock: mean C'r, covariance 1 - C'C
         root = np.linalg.cholesky(np.eye(count) - clock.T @ clock)
         late = residual @ clock + rng.standard_normal((len(residual), count)) @ root.T  # (n, m)
         return {"v_late": _CLOCK * np.sum(late, axis=1) / max(count, 1)} | {

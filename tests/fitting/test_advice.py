@@ -53,19 +53,19 @@ def widths(axles):
     }
 
 
-def promised(axles, of, word):
-    """By axle the widths before and after [%]; an axle that gains nothing keeps its own."""
-    (line,) = (line for line in advice_lines(axles, of) if word in line)
+def promised(axles, on, word):
+    """Return by axle the widths before and after [%]; an axle that gains nothing keeps its own."""
+    (line,) = (line for line in advice_lines(axles, on) if word in line)
     gains = {axle: (float(a), float(b)) for axle, a, b in _GAIN.findall(line)}
     return {axle: gains.get(axle, (x, x)) for axle, x in widths(axles).items()}
 
 
-@pytest.mark.parametrize("what", ["--mass", "--bench", "each axle", "--tyre"])
-def test_an_advice_on_a_fit_and_on_a_stop_keeps_its_promise(plain, advised, what):
-    tables, log = (plain, advised[what]), noisy(stop(WET), 3)
+@pytest.mark.parametrize("advice", ["--mass", "--bench", "each axle", "--tyre"])
+def test_an_advice_on_a_fit_and_on_a_stop_keeps_its_promise(plain, advised, advice):
+    tables, log = (plain, advised[advice]), noisy(stop(WET), 3)
     by_fit = [table.budget.axles for table in tables]
     by_stop = [budget(estimate(table, log)) for table in tables]
-    for of, (before, after) in ((RAMP, by_fit), (STOP, by_stop)):
-        for axle, (now, then) in promised(before, of, what).items():
+    for on, (before, after) in ((RAMP, by_fit), (STOP, by_stop)):
+        for axle, (now, then) in promised(before, on, advice).items():
             assert now == pytest.approx(widths(before)[axle], abs=0.51)
             assert then == pytest.approx(widths(after)[axle], abs=1.0)

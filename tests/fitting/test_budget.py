@@ -49,7 +49,7 @@ def test_parts_add_up_to_the_sigmas(tables):
 
 
 def moved(right, wrong):
-    """By how much ln of the pad frictions of front and rear axle are apart."""
+    """Return the change of ln of the pad friction of front and rear axle."""
     pads = [(t.calibration.pad_friction_f, t.calibration.pad_friction_r) for t in (right, wrong)]
     return [math.log(b.value / a.value) for a, b in zip(*pads, strict=True)]
 
@@ -57,7 +57,7 @@ def moved(right, wrong):
 def test_a_wrong_mass_moves_the_pads_by_the_part_of_the_mass(clean):
     """A plant 3 % heavier than its file, at one sigma of a mass that nobody wrote down.
 
-    Its drag is the same, and 6 % of what slows it: that much less moves the pads.
+    Its drag is the same, 6 % of the force that slows it, so the pads move by 6 % less.
     """
     heavy = ramp(replace(REAL, mass_scale=1.03))
     tables = [fit(UNWEIGHED, [noisy(log, 1)]) for log in (clean, heavy)]
@@ -92,9 +92,9 @@ def test_level_parts_in_closed_form(clean):
     lever = z.sum() / (z @ z)
     car = replace(CAR, mass_tolerance=0.02)
 
-    def parts(known=SURE, **variances):
+    def parts(resistance=SURE, **variances):
         sensor = sensed(**variances)
-        return level_of(car, [replace(run, accelerometer=sensor)], known, 0.0)[1]
+        return level_of(car, [replace(run, accelerometer=sensor)], resistance, 0.0)[1]
 
     alone = parts()
     assert alone["mass"] == pytest.approx(4e-4)
@@ -103,14 +103,14 @@ def test_level_parts_in_closed_form(clean):
     assert alone["noise"] == pytest.approx(density * (1.0 / (z @ z) + lever**2 / lead.sum()))
     assert parts(scale=1e-4, bias=1e-6, together=-5e-6)["accelerometer"] == pytest.approx(1e-4)
     rolling = Resistance(EFFECTS, ((0.0, 0.0), (0.0, 1e-6)))
-    assert parts(known=rolling)["resistance"] == pytest.approx(1e-6 * lever**2)
-    # found on the lead-in, it holds the noise of that
-    assert parts(known=rolling)["noise"] == pytest.approx(density / (z @ z))
+    assert parts(resistance=rolling)["resistance"] == pytest.approx(1e-6 * lever**2)
+    # an identified resistance includes the noise of the lead-in
+    assert parts(resistance=rolling)["noise"] == pytest.approx(density / (z @ z))
 
 
 def test_a_mass_that_is_known_has_no_part_and_moves_no_other(clean, tables):
     weighed = fit(replace(CAR, mass_tolerance=0.0), [noisy(clean, 1)])
-    for known, unknown in zip(weighed.budget.axles, tables[0].budget.axles, strict=True):
-        assert "mass" not in known
-        rest = {part: x for part, x in unknown.items() if part != "mass"}
-        assert known == pytest.approx(rest, rel=1e-6)
+    for parts, unknown in zip(weighed.budget.axles, tables[0].budget.axles, strict=True):
+        assert "mass" not in parts
+        others = {part: x for part, x in unknown.items() if part != "mass"}
+        assert parts == pytest.approx(others, rel=1e-6)

@@ -85,10 +85,10 @@ def test_band_holds_the_true_difference(clean, tables, name):
     rows = (d.flag == MEASURED) & (d.eta <= eta[top - 1])
     assert rows.sum() > 30
     true = np.interp(d.eta[rows], eta[:top], (F_f - F_r)[:top])
-    held = (d.lower[rows] <= true) & (true <= d.upper[rows])
-    assert np.mean(held) >= 0.9
-    # and the band says something: D to 26 % at half of the range, the walk of the zero in it,
-    # and what the pads' ratio leaves open, which tyres that may differ imitate
+    is_inside = (d.lower[rows] <= true) & (true <= d.upper[rows])
+    assert np.mean(is_inside) >= 0.9
+    # the band is no wider than needed: D to 26 % at half of the range, with the drift of the zero,
+    # and the part of the pads' ratio, which tyres that differ imitate
     middle = d.eta.size // 2
     apart = difference_per_ratio(table.paper.z[middle]) * table.calibration.pad_log_ratio.sigma
     bound = 2.0 * math.hypot(0.26 * d.D[middle], 1.96 * apart)
@@ -97,15 +97,15 @@ def test_band_holds_the_true_difference(clean, tables, name):
 
 
 def test_band_holds_the_true_tyre(tables):
-    """A stiffness that is off is off in every row: only over several runs can 95 % be counted."""
-    held = []
+    """A wrong stiffness is wrong in every row, so 95 % can be counted only over several runs."""
+    shares_inside = []
     for name in ("magic formula", "brush", "with E term"):
         force, t = PLANTS[name].tyre, tables[name].tyre
         rows = (t.flag == MEASURED) & (t.slip > 0.0)
         true = np.array([force(s, 1.0, 1.0, 1.0) for s in t.slip[rows]])
-        held.append(np.mean((t.lower[rows] <= true) & (true <= t.upper[rows])))
+        shares_inside.append(np.mean((t.lower[rows] <= true) & (true <= t.upper[rows])))
         assert t.force[rows] == pytest.approx(true, rel=0.1)
-    assert np.mean(held) >= 0.9
+    assert np.mean(shares_inside) >= 0.9
 
 
 @pytest.mark.parametrize("name", ["magic formula", "brush", "with E term", "rear 8 % better"])
@@ -123,8 +123,8 @@ def test_peak_is_found_where_the_plant_has_it(clean, tables, name):
 def turning(z, peak):
     """A path whose draws have eta as a parabola with these peaks (n,) [1]."""
     eta = 1.0 + 0.005 * (1.0 - (z / peak[:, None] - 1.0) ** 2)
-    both = np.stack([eta, eta])
-    return SlipPrediction(z, eta - 1.0, eta - 1.0, both, both, eta > 0.0)
+    axles = np.stack([eta, eta])
+    return SlipPrediction(z, eta - 1.0, eta - 1.0, axles, axles, eta > 0.0)
 
 
 def test_a_fall_that_some_draws_do_not_have_is_no_peak():
@@ -162,20 +162,20 @@ def test_forces_along_the_ridge_balance(z, compliance, log_ratio, tau, r):
     assert brakes[0] / brakes[1] == pytest.approx(nominal * np.exp(log_ratio))
     # a stiffer rear tyre slips less, and a loaded wheel of a smaller radius turns faster
     turning = []
-    for F, slip, load, rest, half in (
+    for F, slip, load, load_at_rest, half in (
         (F_f, p.slips[0, 0, 0], L_R + z * H, L_R, 0.5),
         (F_r, p.slips[1, 0, 0], L_F - z * H, L_F, -0.5),
     ):
         assert slip == pytest.approx(compliance * np.exp(half * tau) * F, rel=2e-3)
-        turning.append((1.0 - slip) * np.exp(r * (load / rest - 1.0)))
+        turning.append((1.0 - slip) * np.exp(r * (load / load_at_rest - 1.0)))
     assert 1.0 + p.eta_rise[0, 0] == pytest.approx(turning[1] / turning[0])
 
 
 def test_flags_follow_the_counts(tables, gentle):
     for table in (*tables.values(), gentle):
         for curve in (table.difference, table.paper, table.tyre):
-            seen = np.flatnonzero(curve.count >= 3)
-            assert np.array_equal(np.flatnonzero(curve.flag == MEASURED), seen)
-            beyond = np.arange(curve.count.size) > seen[-1]
+            measured = np.flatnonzero(curve.count >= 3)
+            assert np.array_equal(np.flatnonzero(curve.flag == MEASURED), measured)
+            beyond = np.arange(curve.count.size) > measured[-1]
             assert np.array_equal(curve.flag == EXTRAPOLATED, beyond)
             assert set(curve.flag) <= {MEASURED, INTERPOLATED, EXTRAPOLATED}

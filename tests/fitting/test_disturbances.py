@@ -39,7 +39,7 @@ PLANTS = {
 }
 
 
-def told(table):
+def left_out(table):
     return [remark for remark in table.remarks if "left out from" in remark]
 
 
@@ -53,22 +53,22 @@ def usual():
 
 
 def test_nothing_is_left_out_of_a_ramp_in_which_nothing_happens(usual):
-    assert told(usual) == []
+    assert left_out(usual) == []
 
 
 @pytest.mark.parametrize(
-    ("what", "with_v"), [("bump", True), ("gear shift", True), ("patch", False)]
+    ("plant", "with_v"), [("bump", True), ("gear shift", True), ("patch", False)]
 )
-def test_a_disturbed_ramp_gives_the_pads_of_one_that_is_not(usual, what, with_v):
-    log = without(noisy(ramp(PLANTS[what]), 3), *HIDDEN, *(() if with_v else ("v",)))
+def test_a_disturbed_ramp_gives_the_pads_of_one_that_is_not(usual, plant, with_v):
+    log = without(noisy(ramp(PLANTS[plant]), 3), *HIDDEN, *(() if with_v else ("v",)))
     table = fit(CAR, [log])
-    assert len(told(table)) == 1
-    for found, true, before in zip(pads(table), TRUE, pads(usual), strict=True):
-        assert found.ci95[0] < true < found.ci95[1]
+    assert len(left_out(table)) == 1
+    for pad, true, undisturbed in zip(pads(table), TRUE, pads(usual), strict=True):
+        assert pad.ci95[0] < true < pad.ci95[1]
         if with_v:
-            width = before.ci95[1] - before.ci95[0]
-            assert found.value == pytest.approx(before.value, abs=0.25 * width)
-            assert found.ci95[1] - found.ci95[0] < 1.2 * width
+            width = undisturbed.ci95[1] - undisturbed.ci95[0]
+            assert pad.value == pytest.approx(undisturbed.value, abs=0.25 * width)
+            assert pad.ci95[1] - pad.ci95[0] < 1.2 * width
 
 
 @pytest.mark.parametrize(("start", "code"), [(4.0, "begins"), (-9.0, "ends")])
@@ -76,14 +76,14 @@ def test_a_torque_that_stays_is_named(start, code):
     """Nobody knows which part of such a ramp is the usual one."""
     length = 99.0 if code == "begins" else 13.0
     plant = replace(REAL, motor=lambda t: shift(t, start, length))
-    said = said_of(without(noisy(ramp(plant), 3), *HIDDEN))
-    assert "force_step" in said
-    time = float(said.split("the force changes at ")[1].split(" s,")[0])
+    messages = messages_of(without(noisy(ramp(plant), 3), *HIDDEN))
+    assert "force_step" in messages
+    time = float(messages.split("the force changes at ")[1].split(" s,")[0])
     assert time == pytest.approx(4.0, abs=0.1)
 
 
-def said_of(log):
-    """All that a fit warns of, also where it refuses the log."""
+def messages_of(log):
+    """Return the warnings of a fit, or the message of the error if it refuses the log."""
     try:
         return "\n".join(map(str, fit(CAR, [log]).warnings))
     except LogError as error:
@@ -94,5 +94,5 @@ def test_a_ramp_near_the_peak_of_the_tyres_is_used_to_its_top():
     """Eta rises steeply there, in few blocks: that is the tyre, no disturbance."""
     log = noisy(ramp(replace(REAL, surface=lambda x: (1.0, 0.72))), 0)
     table = fit(CAR, [log])
-    assert told(table) == []
+    assert left_out(table) == []
     assert table.quality["deceleration_max"] > 0.98 * float(np.max(log["a_x"])) / 9.81

@@ -71,7 +71,7 @@ def test_points_are_in_the_open_cube_and_more_even_than_random_ones(dimension):
 
 
 def test_the_draws_of_an_ensemble_give_it_back():
-    kept = made_draws(400)
-    again = draws_of(VEHICLE, ensemble_of(VEHICLE, kept), made_table().calibration)
-    for name in vars(kept).keys() - {"log_pad_level", "weight"}:
-        np.testing.assert_allclose(getattr(again, name), getattr(kept, name), rtol=1e-12)
+    draws = made_draws(400)
+    restored = draws_of(VEHICLE, ensemble_of(VEHICLE, draws), made_table().calibration)
+    for name in vars(draws).keys() - {"log_pad_level", "weight"}:
+        np.testing.assert_allclose(getattr(restored, name), getattr(draws, name), rtol=1e-12)

@@ -71,7 +71,7 @@ print(calib.fit(car, [calib.read_log(path) for path in sys.argv[2:]]).digest)
 
 
 def test_another_process_and_another_order_of_the_logs_change_no_bit():
-    there = subprocess.run(
+    other_process = subprocess.run(
         [sys.executable, "-c", FIT, str(SEDAN / "vehicle.toml"), *map(str, LOGS[::-1])],
         cwd=ROOT,
         check=True,
@@ -80,7 +80,7 @@ def test_another_process_and_another_order_of_the_logs_change_no_bit():
         env={**os.environ, "PYTHONHASHSEED": "2"},
     )
     car = read_vehicle(SEDAN / "vehicle.toml")
-    assert fit(car, [read_log(path) for path in LOGS]).digest == there.stdout.strip()
+    assert fit(car, [read_log(path) for path in LOGS]).digest == other_process.stdout.strip()
 
 
 def test_truth_is_never_read(run, table):
@@ -114,8 +114,8 @@ def test_units_and_formats_do_not_matter(tmp_path, run):
             ("difference", "upper", 1e-8),
             ("tyre", "force", 1e-8),
         ):
-            here, there = (getattr(getattr(table, curve), column) for table in (other, expected))
-            assert np.max(np.abs(here - there)) < tolerance
+            x, y = (getattr(getattr(table, curve), column) for table in (other, expected))
+            assert np.max(np.abs(x - y)) < tolerance
 
 
 @pytest.mark.parametrize("rate", [40.0, 1000.0])
@@ -124,15 +124,15 @@ def test_rate_of_the_log_does_not_matter(rate, table, clean):
     slow = drive(
         REAL, lambda t: 5e5 * max(t - 1.5, 0.0), 33.0, duration=9.5, stop_speed=8.0, rate=rate
     )
-    here, there = (fit(CAR, [log]).difference for log in (as_log(slow), clean))
-    common = np.linspace(1.0, min(here.eta[-1], there.eta[-1]), 20)
-    off = np.interp(common, here.eta, here.D) - np.interp(common, there.eta, there.D)
-    assert np.max(np.abs(off)) < 0.05 * np.max(there.upper - there.lower)
+    resampled, usual = (fit(CAR, [log]).difference for log in (as_log(slow), clean))
+    common = np.linspace(1.0, min(resampled.eta[-1], usual.eta[-1]), 20)
+    off = np.interp(common, resampled.eta, resampled.D) - np.interp(common, usual.eta, usual.D)
+    assert np.max(np.abs(off)) < 0.05 * np.max(usual.upper - usual.lower)
 
 
 def test_a_log_without_braking_serves_as_a_coast(table, run, coast):
-    both = fit(CAR, [coast, run])
-    assert [(log.name, log.role) for log in both.provenance.logs] == [
+    with_coast = fit(CAR, [coast, run])
+    assert [(log.name, log.role) for log in with_coast.provenance.logs] == [
         ("ramp", "ramp"),
         ("coast", "coast"),
     ]
@@ -140,7 +140,7 @@ def test_a_log_without_braking_serves_as_a_coast(table, run, coast):
         ("aerodynamic_drag", "drag_area", 0.66),
         ("rolling_resistance", "coefficient", 0.011),
     ):
-        alone, better = (t.effect_values[effect][parameter] for t in (table, both))
+        alone, better = (t.effect_values[effect][parameter] for t in (table, with_coast))
         assert better.sigma < 0.7 * alone.sigma
         assert abs(better.value - truth) < 3.0 * better.sigma
 
@@ -157,13 +157,13 @@ def test_pad_friction_is_found_within_its_sigma(front, rear):
         "pad_scale": math.sqrt(front * rear) / 0.38,
     }
     for name, value in truth.items():
-        found = getattr(c, name)
-        assert abs(found.value - value) < 3.0 * found.sigma
+        estimate = getattr(c, name)
+        assert abs(estimate.value - value) < 3.0 * estimate.sigma
     # eta tells pads and tyres together: of 15 and 10 % that leaves 8.3 % to the ratio, of which
     # each axle has the other one's share; 3 % for the noise and a ratio that drifts
-    left = 0.15 * 0.10 / math.hypot(0.15, 0.10)
-    assert c.pad_friction_f.sigma < math.hypot(0.27 * left, 0.03) * c.pad_friction_f.value
-    assert c.pad_friction_r.sigma < math.hypot(0.73 * left, 0.03) * c.pad_friction_r.value
+    open_ratio = 0.15 * 0.10 / math.hypot(0.15, 0.10)
+    assert c.pad_friction_f.sigma < math.hypot(0.27 * open_ratio, 0.03) * c.pad_friction_f.value
+    assert c.pad_friction_r.sigma < math.hypot(0.73 * open_ratio, 0.03) * c.pad_friction_r.value
 
 
 def test_a_glitch_of_a_x_that_no_car_can_do_takes_no_part(run, table):
@@ -182,7 +182,7 @@ def test_a_glitch_of_a_x_that_no_car_can_do_takes_no_part(run, table):
 
 def test_logs_that_are_no_ramp(run, coast):
     bad = replace(cut(run, 1.7), source="bad.csv", digest="bad")
-    for logs, said in (
+    for logs, reason in (
         ([], "none of the logs"),
         ([coast], "none of the logs holds a braking"),
         ([noisy(stop(), 0)], "ramp_rise"),
@@ -192,7 +192,7 @@ def test_logs_that_are_no_ramp(run, coast):
         ([run, replace(run, name="copy")], "the same run as plant"),
         ([swapped(run)], "eta_falls"),
     ):
-        assert said in refused(*logs)
+        assert reason in refused(*logs)
 
 
 def test_a_mistake_of_all_logs_is_named_by_the_one_that_shows_it(run, coast):
@@ -206,10 +206,10 @@ def test_a_mistake_of_all_logs_is_named_by_the_one_that_shows_it(run, coast):
 
 @pytest.mark.parametrize(("samples", "hidden"), [(20, ()), (40, ("v",))])
 def test_a_wheel_speed_too_coarse_for_a_tyre_curve(clean, samples, hidden):
-    """Front left is renewed ten or five times a second: where eta tells of it, not of a tyre."""
+    """Front left changes only ten or five times a second, so eta shows the steps, not a tyre."""
     log = noisy(clean, 1)
-    held = np.repeat(log["omega_fl"][::samples], samples)[: log.time.size]
-    coarse = replace(log, channels={**log.channels, "omega_fl": held})
+    repeated = np.repeat(log["omega_fl"][::samples], samples)[: log.time.size]
+    coarse = replace(log, channels={**log.channels, "omega_fl": repeated})
     assert refused(without(coarse, *hidden))
 
 
@@ -238,13 +238,13 @@ def test_vehicle_of_another_car(run):
 def test_levels_of_the_runs_are_averaged_and_their_spread_counts(clean):
     """The second ramp has pads 5 % stronger: the mean, known to half of it over the root of 2."""
     logs = [noisy(clean, 1), noisy(ramp(with_pads(REAL, 0.40, 0.40), name="second"), 2)]
-    both, alone = (fit(CAR, of).calibration for of in (logs, logs[:1]))
+    pair, alone = (fit(CAR, chosen).calibration for chosen in (logs, logs[:1]))
     # front share 0.73: the level moves against a ratio that is off by 0.23 of it
-    off = 0.23 * abs(both.pad_log_ratio.value)
-    assert both.pad_scale.value == pytest.approx((1.0 + 0.40 / 0.38) / 2.0, abs=0.01 + off)
+    off = 0.23 * abs(pair.pad_log_ratio.value)
+    assert pair.pad_scale.value == pytest.approx((1.0 + 0.40 / 0.38) / 2.0, abs=0.01 + off)
     spread = 0.5 * (0.40 / 0.38 - 1.0) / math.sqrt(2.0)
-    assert both.pad_scale.sigma > spread
-    assert both.pad_scale.sigma > alone.pad_scale.sigma
+    assert pair.pad_scale.sigma > spread
+    assert pair.pad_scale.sigma > alone.pad_scale.sigma
 
 
 def test_whole_milliseconds_move_no_pad(tmp_path):
@@ -256,8 +256,8 @@ def test_whole_milliseconds_move_no_pad(tmp_path):
     assert len(read.notes) == 1
     pads = [fit(CAR, [log]).calibration for log in (true, read)]
     for axle in ("pad_friction_f", "pad_friction_r"):
-        full, found = (getattr(one, axle).value for one in pads)
-        assert found == pytest.approx(full, rel=0.005)
+        exact, rounded_friction = (getattr(x, axle).value for x in pads)
+        assert rounded_friction == pytest.approx(exact, rel=0.005)
 
 
 def test_a_fit_does_not_hang_on_the_last_digits(fitted):
@@ -270,4 +270,4 @@ def test_a_fit_does_not_hang_on_the_last_digits(fitted):
                 - np.quantile(draws, [0.025, 0.5, 0.975], axis=0)
             )
             assert np.all(moved <= 1e-4 * (high - low)), name
-    assert [one.code for one in other.warnings] == [one.code for one in fitted.warnings]
+    assert [x.code for x in other.warnings] == [x.code for x in fitted.warnings]

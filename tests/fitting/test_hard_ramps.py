@@ -20,8 +20,8 @@ def test_on_a_wet_road_the_pads_are_those_of_a_dry_one():
     """A ramp to 0.53 g, at up to 0.9 of the tyres' peak; brakes are 20 to 30 ms late."""
     plant = replace(REAL, tyre=magic(25.0, 0.58), hydraulic_lag=0.03)
     table = fit(CAR, [noisy(ramp(plant, 4.8e5), 0)])
-    for found, true in zip(pads(table), TRUE, strict=True):
-        assert found.ci95[0] < true < found.ci95[1]
+    for pad, true in zip(pads(table), TRUE, strict=True):
+        assert pad.ci95[0] < true < pad.ci95[1]
 
 
 ESTATE = replace(
@@ -38,11 +38,11 @@ ESTATE = replace(
 
 def test_pads_as_declared_are_not_taken_for_others_on_a_hard_ramp():
     plant = replace(REAL, vehicle=ESTATE, tyre=magic(18.4, 0.92, 1.57, curvature=0.33))
-    found = fit(ESTATE, [noisy(ramp(plant, 6.6e5), 1)])
-    ratio = found.calibration.pad_log_ratio
+    table = fit(ESTATE, [noisy(ramp(plant, 6.6e5), 1)])
+    ratio = table.calibration.pad_log_ratio
     assert abs(ratio.value) < 0.1
     assert abs(ratio.value) < 1.96 * ratio.sigma
-    assert "pad_ratio" not in [one.code for one in found.warnings]
+    assert "pad_ratio" not in [warning.code for warning in table.warnings]
 
 
 PADS = 0.42
@@ -70,5 +70,5 @@ def test_a_car_near_ideal_balance_has_the_pads_that_it_has():
     slope = 0.5 / per_pascal(SPORTS) / 6.5  # 0.5 g within 6.5 s
     run = drive(plant, lambda t: slope * max(t - 1.5, 0.0), 33.0, duration=8.0, stop_speed=6.0)
     table = fit(SPORTS, [noisy(as_log(run, "ramp"), seed)])
-    for found in (table.calibration.pad_friction_f, table.calibration.pad_friction_r):
-        assert abs(found.value - PADS) < 2.5 * found.sigma
+    for pad in pads(table):
+        assert abs(pad.value - PADS) < 2.5 * pad.sigma

@@ -39,7 +39,7 @@ class Toy:
         self.shift = BASE + RISE * self.log_pad_ratio + NOISE * x[2]
         self.log_slip = -3.0 + follows * self.log_pad_ratio + SCATTER * x[3]
 
-    def seen(self, z):
+    def predicted(self, z):
         shift = z * (self.shift[:, None] + np.where(z > 0.5, self.jump, 0.0))
         slip = z * np.exp(self.log_slip[:, None])
         return SlipPrediction(z, shift, slip, forces=slip, slips=slip, rolls=slip > 0.0)
@@ -48,68 +48,72 @@ class Toy:
         return np.full(self.change.size, 0.01)
 
 
-def made(monkeypatch, follows, jump=0.0):
+def toy_maps(monkeypatch, follows, jump=0.0):
     toy = Toy(follows, jump)
     monkeypatch.setattr(module, "scenarios", lambda car, e: toy)
-    monkeypatch.setattr(module, "predict_stops", lambda car, s, z, odds: s.seen(z))
+    monkeypatch.setattr(module, "predict_stops", lambda car, s, z, odds: s.predicted(z))
     return maps(CAR, None)
 
 
-def conditional(of, shift, slip_at, follows):
-    """Mean and sigma of ratio or change of the toy, given shift, and its own place of ln slip.
+def conditional(name, shift, slip_at, follows):
+    """Return mean and sigma of ratio or change of the toy, given shift and ln slip.
 
-    ``slip_at`` standard deviations from the mean of ln slip at that shift.
+    ln slip is ``slip_at`` standard deviations from its mean at that shift.
     """
-    own = {"ratio": OF_RAMP**2 + CHANGE**2, "change": CHANGE**2}[of]
+    variance = {"ratio": OF_RAMP**2 + CHANGE**2, "change": CHANGE**2}[name]
     ratio = OF_RAMP**2 + CHANGE**2
     eta = RISE**2 * ratio + NOISE**2
-    both = RISE * follows * ratio
+    covariance = RISE * follows * ratio
     slip = follows**2 * ratio + SCATTER**2
-    left = slip - both**2 / eta  # of ln slip at a shift
-    k = np.array([RISE * own, follows * own])
-    one = np.array([[eta, both], [both, slip]])
-    there = np.array([shift - BASE, both / eta * (shift - BASE) + slip_at * math.sqrt(left)])
-    gain = np.linalg.solve(one, k)
-    return float(gain @ there), math.sqrt(own - gain @ k)
+    slip_variance = slip - covariance**2 / eta  # of ln slip at a shift
+    covariances = np.array([RISE * variance, follows * variance])
+    joint = np.array([[eta, covariance], [covariance, slip]])
+    deviation = np.array(
+        [shift - BASE, covariance / eta * (shift - BASE) + slip_at * math.sqrt(slip_variance)]
+    )
+    gain = np.linalg.solve(joint, covariances)
+    return float(gain @ deviation), math.sqrt(variance - gain @ covariances)
 
 
 @pytest.mark.parametrize("follows", [0.0, FOLLOWS])
 def test_cells_are_the_conditional_quantiles_of_a_gaussian(monkeypatch, follows):
-    pad_map, _ = made(monkeypatch, follows)
-    found = {of: [pad_map.grid(of + end) for end in BOUNDS] for of in ("ratio", "change")}
+    pad_map, _ = toy_maps(monkeypatch, follows)
+    bounds_of = {name: [pad_map.grid(name + end) for end in BOUNDS] for name in ("ratio", "change")}
     (z, shift, slip) = pad_map.axes.values()
     spread = math.sqrt(RISE**2 * (OF_RAMP**2 + CHANGE**2) + NOISE**2)
     near = np.flatnonzero(np.abs(shift - BASE) < 1.3 * spread)
     assert near.size >= 3
     i = int(np.argmin(np.abs(z - 0.3)))
-    for of, j, k in product(found, near, np.flatnonzero(np.abs(slip) <= 1.0)):
-        mean, sigma = conditional(of, shift[j], slip[k], follows)
-        lower, middle, upper = (x[i, j, k] for x in found[of])
+    for name, j, k in product(bounds_of, near, np.flatnonzero(np.abs(slip) <= 1.0)):
+        mean, sigma = conditional(name, shift[j], slip[k], follows)
+        lower, middle, upper = (x[i, j, k] for x in bounds_of[name])
         assert middle == pytest.approx(mean, abs=0.15 * sigma)
         assert upper - lower == pytest.approx(2.0 * Z95 * sigma, rel=0.15)
 
 
 def test_before_eta_is_read_the_ratio_is_as_drawn(monkeypatch):
-    _, before = made(monkeypatch, 0.0)
+    _, level_map = toy_maps(monkeypatch, 0.0)
     sigma = math.hypot(OF_RAMP, CHANGE)
-    assert before.ratio == pytest.approx(0.0, abs=0.03 * sigma)
-    assert before.ratio_upper - before.ratio_lower == pytest.approx(2 * Z95 * sigma, rel=0.03)
-    assert before.change_upper - before.change_lower == pytest.approx(2 * Z95 * CHANGE, rel=0.03)
-    assert before.level == pytest.approx(0.01)
+    assert level_map.ratio == pytest.approx(0.0, abs=0.03 * sigma)
+    assert level_map.ratio_upper - level_map.ratio_lower == pytest.approx(2 * Z95 * sigma, rel=0.03)
+    assert level_map.change_upper - level_map.change_lower == pytest.approx(
+        2 * Z95 * CHANGE, rel=0.03
+    )
+    assert level_map.level == pytest.approx(0.01)
 
 
 def test_a_cell_that_nobody_sees_has_the_prior(monkeypatch):
     """What hard stops show alone says nothing in a soft one: the bounds of before."""
-    pad_map, before = made(monkeypatch, 0.0, jump=0.3)
+    pad_map, level_map = toy_maps(monkeypatch, 0.0, jump=0.3)
     soft = pad_map.axes["z"] < 0.5
     far = int(np.argmin(np.abs(pad_map.axes["shift"] - BASE - 0.3)))
     near = int(np.argmin(np.abs(pad_map.axes["shift"] - BASE)))
     assert pad_map.grid("prior")[soft, far] == pytest.approx(1.0, abs=0.05)
     assert np.all(pad_map.grid("prior")[soft, near] < 0.9)
     for end in BOUNDS:
-        own = pad_map.grid(f"ratio{end}")[soft, far]
-        first = getattr(before, f"ratio{end}")[soft, None]
-        assert own == pytest.approx(np.broadcast_to(first, own.shape), abs=0.01)
+        bound = pad_map.grid(f"ratio{end}")[soft, far]
+        first = getattr(level_map, f"ratio{end}")[soft, None]
+        assert bound == pytest.approx(np.broadcast_to(first, bound.shape), abs=0.01)
 
 
 # Simulation-based calibration (Talts et al. 2018): fresh stops of the same list.
@@ -143,50 +147,50 @@ def read(pad_map, z, shift, place):
     )
 
 
-def mixed(cells, odds, of):
+def mixed(cells, odds, name):
     """Bounds of a mixture of cells with their odds, as those of a normal of its moments."""
-    middle = np.array([getattr(cell, of) for cell in cells])
-    width = np.array([getattr(c, f"{of}_upper") - getattr(c, f"{of}_lower") for c in cells])
+    middle = np.array([getattr(cell, name) for cell in cells])
+    width = np.array([getattr(c, f"{name}_upper") - getattr(c, f"{name}_lower") for c in cells])
     mean = odds @ middle
     sigma = np.sqrt(odds @ ((0.5 * width / Z95) ** 2 + middle**2) - mean**2)
     return SimpleNamespace(
-        **{of + end: mean + k * sigma for end, k in zip(BOUNDS, (-Z95, 0.0, Z95), strict=True)}
+        **{name + end: mean + k * sigma for end, k in zip(BOUNDS, (-Z95, 0.0, Z95), strict=True)}
     )
 
 
-def shares(true, found, of, keep):
-    """Of the truths below the lower bound, the median and the upper one."""
-    return [float(np.mean((true <= getattr(found, of + end))[keep])) for end in BOUNDS]
+def shares(true, cells, name, counted):
+    """Return the share of the truths below the lower bound, the median and the upper bound."""
+    return [float(np.mean((true <= getattr(cells, name + end))[counted])) for end in BOUNDS]
 
 
 @pytest.mark.parametrize("z", [0.1, 0.28, 0.5])
-@pytest.mark.parametrize("of", ["ratio", "change"])
+@pytest.mark.parametrize("name", ["ratio", "change"])
 @pytest.mark.parametrize("sees", [True, False], ids=["with the slip", "without"])
-def test_ranks_of_the_ratio_are_uniform(table, fresh, z, of, sees):
+def test_ranks_of_the_ratio_are_uniform(table, fresh, z, name, sees):
     """The reading has no noise here; a map has at least its own, so bounds are a little wide."""
     _, pad_map, _ = table
-    at = SlipPrediction(*(x[..., 0] for x in module.predict_stops(CAR, fresh, np.array([z]))))
-    true = fresh.log_pad_ratio if of == "ratio" else fresh.change
-    where, shift = np.full(true.size, z), at.eta_rise / z
+    stops = SlipPrediction(*(x[..., 0] for x in module.predict_stops(CAR, fresh, np.array([z]))))
+    true = fresh.log_pad_ratio if name == "ratio" else fresh.change
+    where, shift = np.full(true.size, z), stops.eta_rise / z
     if sees:
         first = read(pad_map, where, shift, 0.0 * where)
-        place = (np.log(np.maximum(at.slip, 1e-4) / z) - first.log_slip) / first.log_slip_sigma
-        found = read(pad_map, where, shift, place)
+        place = (np.log(np.maximum(stops.slip, 1e-4) / z) - first.log_slip) / first.log_slip_sigma
+        cells = read(pad_map, where, shift, place)
     else:  # anywhere along the slip, which is normal there: moments of a mixture
         odds = np.exp(-0.5 * pad_map.axes["slip"] ** 2)
-        found = mixed([read(pad_map, where, shift, x + 0.0 * where) for x in pad_map.axes["slip"]],
-                      odds / odds.sum(), of)  # fmt: skip
-    below, middle, above = shares(true, found, of, at.rolls)
-    held = above - below
-    assert 0.90 < held < 0.99
+        cells = mixed([read(pad_map, where, shift, x + 0.0 * where) for x in pad_map.axes["slip"]],
+                      odds / odds.sum(), name)  # fmt: skip
+    below, middle, above = shares(true, cells, name, stops.rolls)
+    inside = above - below
+    assert 0.90 < inside < 0.99
     assert middle == pytest.approx(0.5, abs=0.05)
     assert below < 0.06
     assert above > 0.94
 
 
 def test_ranks_of_the_level_are_uniform(table, fresh):
-    _, _, before = table
-    for i, z in enumerate(before.z):
+    _, _, level_map = table
+    for i, z in enumerate(level_map.z):
         level = fresh.log_level(float(z))
-        ranks = [np.mean(level <= getattr(before, f"level{end}")[i]) for end in BOUNDS]
+        ranks = [np.mean(level <= getattr(level_map, f"level{end}")[i]) for end in BOUNDS]
         assert ranks == pytest.approx([0.025, 0.5, 0.975], abs=0.015)

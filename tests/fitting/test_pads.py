@@ -1,4 +1,4 @@
-"""The level that ramps share: how it moves with the pads' ratio, and what it tells of it."""
+"""The level of the pads on ramps: how it moves with the pads' ratio, and shows that ratio."""
 
 import math
 from dataclasses import replace
@@ -14,7 +14,7 @@ from calib.table.table import Value
 from tests.support.reference_car import CAR, IDEAL, noisy, one_axle, prepared, ramp, rolled
 
 SHARE = 28.84 * 130.9 / (28.84 * 130.9 + 11.34 * 124.0)
-"""Of the front brakes in the force at one pressure, Table I."""
+"""Share of the front brakes in the force at one pressure, Table I."""
 
 SURE = Resistance(Effects(), ((0.0, 0.0), (0.0, 0.0)), specified=True)
 
@@ -47,27 +47,27 @@ def test_the_zero_of_the_accelerometer_moves_no_level(runs, axle):
 
 
 def test_normal_ramps_tell_nothing_of_the_ratio(runs):
-    before = Value(0.03, 0.07)
-    assert ratio_by_levels(CAR, [runs["n"], runs["n"]], SURE, before) == before
+    prior = Value(0.03, 0.07)
+    assert ratio_by_levels(CAR, [runs["n"], runs["n"]], SURE, prior) == prior
 
 
 @pytest.mark.parametrize("axle", ["f", "r"])
 def test_a_ramp_with_one_axle_tells_it_as_well_as_pads_repeat(runs, axle):
-    """Two levels that hang on the ratio by 1 - share or share, each known to how pads repeat."""
+    """Two levels whose difference rises with the ratio; each is known as well as pads repeat."""
     lever = {"f": 1.0 - SHARE, "r": SHARE}[axle]
-    found = ratio_by_levels(CAR, [runs["n"], runs[axle]], SURE, Value(0.0, 0.5))
+    ratio = ratio_by_levels(CAR, [runs["n"], runs[axle]], SURE, Value(0.0, 0.5))
     by_levels = math.sqrt(2.0) * LOG.pads_repeat.sigma / lever
     expected = 1.0 / math.hypot(1.0 / by_levels, 1.0 / 0.5)
-    assert found.sigma == pytest.approx(expected, rel=0.15)
-    assert abs(found.value) < 2.0 * found.sigma
+    assert ratio.sigma == pytest.approx(expected, rel=0.15)
+    assert abs(ratio.value) < 2.0 * ratio.sigma
 
 
 def test_stronger_rear_pads_come_out(runs):
     """A tenth less pressure for the same force at the rear alone."""
-    one = runs["r"]
-    weaker = replace(one, blocks=replace(one.blocks, p_r=one.blocks.p_r / 1.1))
+    usual = runs["r"]
+    weaker = replace(usual, blocks=replace(usual.blocks, p_r=usual.blocks.p_r / 1.1))
     same, other = (
-        ratio_by_levels(CAR, [runs["n"], run], SURE, Value(0.0, 10.0)) for run in (one, weaker)
+        ratio_by_levels(CAR, [runs["n"], run], SURE, Value(0.0, 10.0)) for run in (usual, weaker)
     )
     assert other.value - same.value == pytest.approx(-math.log(1.1) / SHARE, rel=0.05)
 
@@ -75,7 +75,7 @@ def test_stronger_rear_pads_come_out(runs):
 def test_what_was_known_before_is_weighed_by_its_sigma(runs):
     pair = [runs["n"], runs["r"]]
     free = ratio_by_levels(CAR, pair, SURE, Value(0.0, 10.0))
-    found = ratio_by_levels(CAR, pair, SURE, Value(0.1, 0.02))
+    ratio = ratio_by_levels(CAR, pair, SURE, Value(0.1, 0.02))
     weights = np.array([0.02**-2.0, free.sigma**-2.0])
-    assert found.value == pytest.approx(weights @ (0.1, free.value) / weights.sum(), abs=2e-3)
-    assert found.sigma == pytest.approx(weights.sum() ** -0.5, rel=0.02)
+    assert ratio.value == pytest.approx(weights @ (0.1, free.value) / weights.sum(), abs=2e-3)
+    assert ratio.sigma == pytest.approx(weights.sum() ** -0.5, rel=0.02)

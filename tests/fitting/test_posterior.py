@@ -1,4 +1,4 @@
-"""The ensemble of a ramp: the truth of plants is inside, and what is known before stays known."""
+"""The posterior of a ramp: the truth of plants is inside, and a sharp prior stays sharp."""
 
 import math
 from dataclasses import replace
@@ -57,12 +57,12 @@ def seeing(run):
 def test_truth_of_a_plant_is_inside(tyre, hidden):
     plant = replace(with_ratio(IDEAL, RATIO), tyre=TYRES[tyre])
     e = posterior(CAR, [prepared(without(noisy(ramp(plant), 2), *hidden))], USUAL)
-    for found, true in (
+    for estimate, true in (
         (e.log_pad_ratio, math.log(RATIO)),
         (e.compliance_f, 1.0 / STIFFNESS),
         (e.compliance_r, 1.0 / STIFFNESS),
     ):
-        low, high = interval(found, 0.98)
+        low, high = interval(estimate, 0.98)
         assert low < true < high
     if not hidden:  # v shows the slip itself
         assert np.std(np.log(e.compliance_f)) < 0.1
@@ -74,18 +74,18 @@ def test_ratio_of_cars_of_the_second_plant_is_inside():
     for number in range(6):
         rng = np.random.default_rng([40, number])
         try:
-            one = plant_r.case(rng)
+            case = plant_r.case(rng)
         except BeyondPeakError:
             continue
-        car, truth = one.vehicle, one.ramp.truth
+        car, truth = case.vehicle, case.ramp.truth
         resistance = Effects(
             {"aerodynamic_drag": {"drag_area": 0.65}, "rolling_resistance": {"coefficient": 0.011}}
         )
         true = np.log(truth["true_mu_pad_f"] / truth["true_mu_pad_r"])[-1]
         filed = np.log(car.front.pad_friction / car.rear.pad_friction)
         for hidden in ((), ("v",)):
-            of = prepare(Run(without(one.ramp, *hidden), car), resistance)
-            low, high = interval(filed + posterior(car, [of], USUAL, draws=1024).log_pad_ratio)
+            ready = prepare(Run(without(case.ramp, *hidden), car), resistance)
+            low, high = interval(filed + posterior(car, [ready], USUAL, draws=1024).log_pad_ratio)
             inside.append(low < true < high)
     assert len(inside) >= 8
     assert np.mean(inside) >= 0.75
@@ -99,9 +99,8 @@ def test_a_bench_of_one_percent_comes_back_as_it_was(run):
 
 
 def test_parts_by_cause_are_nearly_the_variance_of_the_draws(run):
-    """By Gauss and Bayes they are it, but for the draws and what is not linear; a part of a fixed
-    quantity is nought."""
-    normal = Value(0.0, 0.06)  # stated: without the tails of a car of which nothing is known
+    """They are equal for a linear problem and many draws; the parts of a constant are 0."""
+    normal = Value(0.0, 0.06)  # of the user: without the tails of the default prior
     for log in (run, without(run, "v")):
         e = posterior(CAR, [prepared(log)], normal)
         pads = e.log_pad_ratio[None] - np.mean(e.log_pad_ratio)
@@ -118,11 +117,11 @@ def test_ramps_with_one_axle_show_the_tyres_of_each(run, seeing):
     alone = [
         prepared(noisy(one_axle(with_ratio(IDEAL, RATIO), a), 5 + i)) for i, a in enumerate("fr")
     ]
-    both = posterior(CAR, [prepared(run), *alone], USUAL)
-    apart, before = (np.log(e.compliance_f / e.compliance_r) for e in (both, seeing))
-    assert np.std(apart) < 0.85 * np.std(before)
-    assert sigma(both) < 0.9 * sigma(seeing)
-    low, high = interval(both.log_pad_ratio, 0.98)
+    all_ramps = posterior(CAR, [prepared(run), *alone], USUAL)
+    by_all, by_one_ramp = (np.log(e.compliance_f / e.compliance_r) for e in (all_ramps, seeing))
+    assert np.std(by_all) < 0.85 * np.std(by_one_ramp)
+    assert sigma(all_ramps) < 0.9 * sigma(seeing)
+    low, high = interval(all_ramps.log_pad_ratio, 0.98)
     assert low < math.log(RATIO) < high
 
 

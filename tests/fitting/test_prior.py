@@ -1,4 +1,4 @@
-"""What is known before the ramps: as much as it says, and never against the ramps."""
+"""Informative priors narrow the posterior, but never against the ramps."""
 
 import math
 from dataclasses import replace
@@ -45,12 +45,12 @@ def tyre(tmp_path_factory):
     """The tyre file of the plant, its stiffness times a factor."""
     folder = tmp_path_factory.mktemp("tyres")
 
-    def of(factor=1.0):
+    def read(factor=1.0):
         path = folder / f"tyre_{factor}.tir"
         load = 0.25 * CAR.weight
         return read_tyres([written(path, FNOMIN=load, PKX1=factor * STIFFNESS)])[0]
 
-    return of
+    return read
 
 
 def inside(x, true, share=0.95):
@@ -58,39 +58,40 @@ def inside(x, true, share=0.95):
     return low < true < high
 
 
-def told(known, held):
-    """Warnings of what the ramps contradict."""
-    return rule_warnings("car", [Measured(one.code, p) for one, p in zip(known, held, strict=True)])
+def contradicted(priors, support):
+    """Return the warnings of priors that the ramps contradict."""
+    pairs = zip(priors, support, strict=True)
+    return rule_warnings("car", [Measured(prior.code, p) for prior, p in pairs])
 
 
 def test_to_know_the_field_is_to_know_nothing(run, alone):
     """Even odds stay even, and the answer is that of the ramp."""
     e = posterior(CAR, [run], DEFAULT_PRIOR, priors=(FIELD,))
     assert e.prior_support == pytest.approx(0.5, abs=0.06)
-    both = posterior(CAR, [run], DEFAULT_PRIOR, priors=(FIELD, FIELD))
-    assert both.prior_support == pytest.approx(0.5, abs=0.08)
+    twice = posterior(CAR, [run], DEFAULT_PRIOR, priors=(FIELD, FIELD))
+    assert twice.prior_support == pytest.approx(0.5, abs=0.08)
     for name in ("log_pad_ratio", "compliance_f", "load_exponent", "radius_load"):
-        found, before = getattr(e, name), getattr(alone, name)
-        assert np.mean(found) == pytest.approx(np.mean(before), abs=0.15 * np.std(before))
-        assert np.std(found) == pytest.approx(np.std(before), rel=0.12)
+        x, expected = getattr(e, name), getattr(alone, name)
+        assert np.mean(x) == pytest.approx(np.mean(expected), abs=0.15 * np.std(expected))
+        assert np.std(x) == pytest.approx(np.std(expected), rel=0.12)
 
 
-@pytest.mark.parametrize("stated", [Value(0.0, 0.02), Value(0.1, 0.01), Value(0.05, 0.12)])
-def test_a_stated_ratio_takes_the_place_of_the_prior_of_the_field(stated):
+@pytest.mark.parametrize("by_user", [Value(0.0, 0.02), Value(0.1, 0.01), Value(0.05, 0.12)])
+def test_a_stated_ratio_takes_the_place_of_the_prior_of_the_field(by_user):
     """The density of the field, pads of a grade and a tenth 4.3 times as far, cancels."""
     r = np.linspace(-1.5, 1.5, 30_001)
     field = 0.9 * norm.pdf(r, 0.0, 0.07) + 0.1 * norm.pdf(r, 0.0, 4.3 * 0.07)
-    found = np.log(field) + log_importance(stated, r) - norm.logpdf(r, stated.value, stated.sigma)
-    assert np.ptp(found) < 1e-9
+    density = norm.logpdf(r, by_user.value, by_user.sigma)
+    assert np.ptp(np.log(field) + log_importance(by_user, r) - density) < 1e-9
 
 
 def test_a_stated_ratio_multiplies_what_is_known(run):
-    """By normal densities 0.83 of what says the same, with a fifth of the sigma of the field."""
+    """A prior that agrees, with a fifth of the default sigma, gets 0.83 by normal densities."""
     for mean, low, high in ((0.6, 0.75, 0.9), (-3.0, 0.0, 0.01)):
-        known = replace(
+        prior = replace(
             FIELD, mean=np.eye(SIZE)[module.PLACES["log_pad_ratio"][0]] * mean, covariance=SHARP
         )
-        e = posterior(CAR, [run], Value(0.04, 0.01), priors=(known,))
+        e = posterior(CAR, [run], Value(0.04, 0.01), priors=(prior,))
         assert np.mean(e.log_pad_ratio) == pytest.approx(0.04, abs=0.004)
         assert low < e.prior_support[0] < high
 
@@ -99,13 +100,13 @@ def test_the_right_tyre_file_narrows(run, alone, tyre):
     e = posterior(CAR, [run], DEFAULT_PRIOR, priors=informative_priors(CAR, [tyre()], {}))
     assert e.prior_support[0] > 0.6
     assert np.std(np.log(e.compliance_f)) < 0.9 * np.std(np.log(alone.compliance_f))
-    for found, true in (
+    for estimate, true in (
         (e.log_pad_ratio, math.log(RATIO)),
         (e.compliance_f, 1.0 / STIFFNESS),
         (e.compliance_r, 1.0 / STIFFNESS),
     ):
-        assert inside(found, true)
-    assert not told(informative_priors(CAR, [tyre()], {}), e.prior_support)
+        assert inside(estimate, true)
+    assert not contradicted(informative_priors(CAR, [tyre()], {}), e.prior_support)
 
 
 @pytest.mark.parametrize("factor", [0.8, 1.25])
@@ -116,11 +117,11 @@ def test_a_tyre_file_a_fifth_off_leaves_the_truth_inside(run, tyre, factor):
 
 
 def test_a_tyre_file_that_the_ramp_contradicts_is_told_and_not_followed(run, alone, tyre):
-    known = informative_priors(CAR, [tyre(2.2)], {})
-    e = posterior(CAR, [run], DEFAULT_PRIOR, priors=known)
-    (said,) = told(known, e.prior_support)
-    assert (said.code, said.log) == ("tyre_file", "car")
-    assert said.measured < said.expected[0] < 0.5
+    priors = informative_priors(CAR, [tyre(2.2)], {})
+    e = posterior(CAR, [run], DEFAULT_PRIOR, priors=priors)
+    (warning,) = contradicted(priors, e.prior_support)
+    assert (warning.code, warning.log) == ("tyre_file", "car")
+    assert warning.measured < warning.expected[0] < 0.5
     assert np.mean(e.compliance_f) == pytest.approx(
         np.mean(alone.compliance_f), abs=0.5 * np.std(alone.compliance_f)
     )
@@ -143,24 +144,24 @@ def fleet():
 
 
 def test_more_cars_say_more_but_never_more_than_cars_are_alike(fleet):
-    (one,) = informative_priors(CAR, (), dict(list(fleet.items())[:1]))
-    (five,) = informative_priors(CAR, (), fleet)
-    (many,) = informative_priors(
+    (of_one,) = informative_priors(CAR, (), dict(list(fleet.items())[:1]))
+    (of_five,) = informative_priors(CAR, (), fleet)
+    (of_many,) = informative_priors(
         CAR, (), {f"{i}{id_}": t for i in range(40) for id_, t in fleet.items()}
     )
-    for of in (one, five, many):
-        variance = np.diag(of.covariance)
+    for prior in (of_one, of_five, of_many):
+        variance = np.diag(prior.covariance)
         assert np.all(variance > module._VARIANCE_IN_MODEL)
         assert np.all(variance < 1.01)
-    assert np.trace(one.covariance) > np.trace(five.covariance) > np.trace(many.covariance)
-    assert one.covariance[10, 10] == pytest.approx(1.0, abs=0.35)  # heights differ by loads
+    assert np.trace(of_one.covariance) > np.trace(of_five.covariance) > np.trace(of_many.covariance)
+    assert of_one.covariance[10, 10] == pytest.approx(1.0, abs=0.35)  # heights differ by loads
 
 
 def test_a_car_on_other_tyres_is_told_and_not_pulled_over(fleet):
     other = prepared(noisy(ramp(plant(0.62 * STIFFNESS)), 3))
-    known, before = informative_priors(CAR, (), fleet), posterior(CAR, [other], DEFAULT_PRIOR)
-    e = posterior(CAR, [other], DEFAULT_PRIOR, priors=known)
-    (said,) = told(known, e.prior_support)
-    assert said.code == "fleet_prior"
-    assert np.mean(e.compliance_f) == pytest.approx(np.mean(before.compliance_f), rel=0.03)
+    priors, alone = informative_priors(CAR, (), fleet), posterior(CAR, [other], DEFAULT_PRIOR)
+    e = posterior(CAR, [other], DEFAULT_PRIOR, priors=priors)
+    (warning,) = contradicted(priors, e.prior_support)
+    assert warning.code == "fleet_prior"
+    assert np.mean(e.compliance_f) == pytest.approx(np.mean(alone.compliance_f), rel=0.03)
     assert inside(e.log_pad_ratio, math.log(RATIO))

@@ -38,7 +38,7 @@ def codes(vehicle: Vehicle, log) -> list[str]:
 
 def test_a_valve_is_named_with_its_pressure():
     warnings = fit(FRONT_BIASED, [ramp(0.5, 1)]).warnings
-    (warning,) = [one for one in warnings if one.code == "rear_pressure_limited"]
+    (warning,) = [x for x in warnings if x.code == "rear_pressure_limited"]
     assert "20 bar" in warning.causes[0] or "25 bar" in warning.causes[0]
     assert warning.measured > 2.0 * warning.expected[1]
 

@@ -1,4 +1,4 @@
-"""What a user knows of the pads' ratio: into the fit, and no further than he knows it."""
+"""The pads' ratio by the user: a fit takes it over with the uncertainty that the user gives."""
 
 import math
 from dataclasses import replace
@@ -19,7 +19,7 @@ PADS = {"front": 0.38 * math.sqrt(RATIO), "rear": 0.38 / math.sqrt(RATIO)}
 
 
 def rollers(off):
-    """Forces by hand, in steps of 10 N, the front ones ``off`` [1]; each axle its threshold."""
+    """Return forces noted in steps of 10 N, the front ones wrong by a relative ``off`` [1]."""
     pressures, rows = np.linspace(8e5, 48e5, 6), []
     for name, starts, scale in (("front", 0.3e5, 1.0 + off), ("rear", 0.6e5, 1.0)):
         axle = getattr(CAR, name)
@@ -41,8 +41,8 @@ def tolerant(front, rear):
 def test_tolerances_of_the_axles_are_independent_and_an_unsaid_one_is_that_of_a_grade():
     assert pad_ratio_prior(CAR, None) == DEFAULT_PRIOR
     assert pad_ratio_prior(tolerant(0.03, 0.04), None) == Value(0.0, pytest.approx(0.05))
-    one = pad_ratio_prior(tolerant(None, 0.01), None)
-    assert one == Value(0.0, pytest.approx(math.hypot(0.05, 0.01), rel=0.01))
+    prior = pad_ratio_prior(tolerant(None, 0.01), None)
+    assert prior == Value(0.0, pytest.approx(math.hypot(0.05, 0.01), rel=0.01))
 
 
 def test_rollers_outrank_the_file():
@@ -65,9 +65,9 @@ def test_rollers_of_one_percent_give_the_ratio_of_the_ramp(run, with_v):
     assert pads.pad_log_ratio.value == pytest.approx(math.log(RATIO), abs=0.015)
     assert low < math.log(RATIO) < high
     assert high - low < 2.0 * 1.96 * 0.012
-    for name, found in (("front", pads.pad_friction_f), ("rear", pads.pad_friction_r)):
-        assert found.value == pytest.approx(PADS[name], rel=0.025)
-        assert found.ci95[0] < PADS[name] < found.ci95[1]
+    for name, pad in (("front", pads.pad_friction_f), ("rear", pads.pad_friction_r)):
+        assert pad.value == pytest.approx(PADS[name], rel=0.025)
+        assert pad.ci95[0] < PADS[name] < pad.ci95[1]
     assert table.vehicle == CAR
     assert [(log.name, log.digest) for log in table.provenance.logs if log.role == "bench"] == [
         (bench.name, bench.digest)

@@ -1,4 +1,4 @@
-"""What stops bring is what the list says: shares, sizes, and what the sensors see of it."""
+"""Scenarios of stops have the shares and sizes of `beliefs.csv`, and show the eta of the paper."""
 
 import math
 from dataclasses import replace
@@ -21,13 +21,13 @@ TYRES = {"peak": 0.95, "compliance_r": 0.05, "radius_load": 0.002}
 
 def cases(name):
     """Shares, means and sigmas of the cases of a name."""
-    of = getattr(STOP, name)
-    return of.share / of.share.sum(), of.mean, of.sigma
+    mixture = getattr(STOP, name)
+    return mixture.share / mixture.share.sum(), mixture.mean, mixture.sigma
 
 
-def case(name, of):
+def case_of(name, case):
     """Share, mean and sigma of a case."""
-    return [x[getattr(STOP, name).cases.index(of)] for x in cases(name)]
+    return [x[getattr(STOP, name).cases.index(case)] for x in cases(name)]
 
 
 def moments(name):
@@ -53,9 +53,9 @@ def drawn():
 )
 def test_mean_and_sigma_are_those_of_the_list(drawn, name, column):
     mean, sigma = moments(name)
-    found = getattr(drawn, column)
-    assert np.mean(found) == pytest.approx(mean, abs=0.03 * sigma)
-    assert np.std(found) == pytest.approx(sigma, rel=0.05)
+    x = getattr(drawn, column)
+    assert np.mean(x) == pytest.approx(mean, abs=0.03 * sigma)
+    assert np.std(x) == pytest.approx(sigma, rel=0.05)
 
 
 def test_a_further_case_of_one_quantity_leaves_all_others_as_they_are(monkeypatch, drawn):
@@ -77,30 +77,28 @@ def test_a_further_case_of_one_quantity_leaves_all_others_as_they_are(monkeypatc
 
 def test_roads_are_the_ramp_s_or_others(drawn):
     """Another road has a peak of its own; 0.25 of its logarithm goes with the stiffness."""
-    _, near, scatter = case("log_peak", "as on the ramp")
-    share, mean, sigma = case("log_peak", "other road")
+    _, near, scatter = case_of("log_peak", "as on the ramp")
+    share, mean, sigma = case_of("log_peak", "other road")
     far = np.abs(np.log(drawn.peak) - near) > 6.0 * scatter
     # few of the other roads are by chance as the ramp's
     assert np.mean(far) == pytest.approx(share, abs=0.1)
-    own = np.log(0.95 * drawn.peak[far])
-    assert np.mean(own) == pytest.approx(mean, abs=0.15 * sigma)
-    assert np.std(own) == pytest.approx(sigma, rel=0.15)
+    log_peaks = np.log(0.95 * drawn.peak[far])
+    assert np.mean(log_peaks) == pytest.approx(mean, abs=0.15 * sigma)
+    assert np.std(log_peaks) == pytest.approx(sigma, rel=0.15)
     stiff = drawn.stiffer.mean(axis=0)[far]
-    assert np.polyfit(np.log(0.95 * drawn.peak[far] / 0.9), stiff, 1)[0] == pytest.approx(
-        0.25, abs=0.05
-    )
+    assert np.polyfit(log_peaks - math.log(0.9), stiff, 1)[0] == pytest.approx(0.25, abs=0.05)
 
 
 def test_the_peak_of_another_road_hangs_on_no_ramp():
-    here, there = (scenarios(CAR, one_car(peak=m), 2048) for m in (0.7, 1.1))
-    other = np.abs(np.log(here.peak * 0.7 / (there.peak * 1.1))) < 1e-12
-    same = np.abs(np.log(here.peak / there.peak)) < 1e-12
+    low, high = (scenarios(CAR, one_car(peak=m), 2048) for m in (0.7, 1.1))
+    other = np.abs(np.log(low.peak * 0.7 / (high.peak * 1.1))) < 1e-12
+    same = np.abs(np.log(low.peak / high.peak)) < 1e-12
     assert np.all(other | same)
-    assert np.mean(other) == pytest.approx(case("log_peak", "other road")[0], abs=0.02)
+    assert np.mean(other) == pytest.approx(case_of("log_peak", "other road")[0], abs=0.02)
 
 
 def test_tyres_of_the_axles_move_apart_by_the_list(drawn):
-    """The road moves both alike."""
+    """The road changes the tyres of both axles alike."""
     _, sigma = moments("log_tyre")
     assert np.std(drawn.stiffer[0] - drawn.stiffer[1]) == pytest.approx(
         math.sqrt(2.0) * sigma, rel=0.05
@@ -111,20 +109,20 @@ def test_nobody_leaves_a_load_in_a_car_that_was_weighed(drawn, loose):
     assert np.std(drawn.log_mass) == pytest.approx(WEIGHED, rel=0.05)
     assert np.mean(drawn.log_mass) == pytest.approx(0.0, abs=0.05 * WEIGHED)
     share, mean, _ = cases("log_mass")
-    stated = 0.02  # of the file; the row says: times it
-    sigma = np.array([stated, case("log_mass", "load nobody stated")[2]])
+    tolerance = 0.02  # of the vehicle file, the sigma of the first case
+    sigma = np.array([tolerance, case_of("log_mass", "load nobody stated")[2]])
     variance = share @ (sigma**2 + mean**2) - (share @ mean) ** 2
     assert np.mean(loose.log_mass) == pytest.approx(share @ mean, abs=0.001)
     assert np.std(loose.log_mass) == pytest.approx(math.sqrt(variance), rel=0.05)
 
 
 def still(count=1, **other):
-    """Stops that bring nothing, but for ``other``."""
+    """Stops like the ramp, except for ``other``."""
     usual = scenarios(CAR, one_car(**TYRES), count)
-    zero, one = np.zeros(count), np.ones(count)
-    usual = replace(usual, change=zero, peak=one, stiffer=np.zeros((2, count)), scale=zero)
+    zero, ones = np.zeros(count), np.ones(count)
+    usual = replace(usual, change=zero, peak=ones, stiffer=np.zeros((2, count)), scale=zero)
     usual = replace(usual, offset=zero, log_mass=zero)
-    return replace(usual, **{name: value * one for name, value in other.items()})
+    return replace(usual, **{name: value * ones for name, value in other.items()})
 
 
 def brush_slips(z, share):
@@ -135,14 +133,17 @@ def brush_slips(z, share):
     true = z / (1.0 + sum(inert))
     loads = (L - l_f + h * true) / L, (l_f - h * true) / L
     out = []
-    for part, own, load, c in zip((share, 1.0 - share), inert, loads, (0.04, 0.05), strict=True):
-        force, low, high = (part * z - own * true) / load, 0.0, 3.0 * c * 0.95
+    for part, inertia, load, c in zip(
+        (share, 1.0 - share), inert, loads, (0.04, 0.05), strict=True
+    ):
+        force, low, high = (part * z - inertia * true) / load, 0.0, 3.0 * c * 0.95
         for _ in range(60):
             slip = 0.5 * (low + high)
             carried = 0.95 * (1.0 - (1.0 - slip / (3.0 * c * 0.95)) ** 3)
             low, high = (slip, high) if carried < force else (low, slip)
         out.append(slip)
-    grown = [load / at - 1.0 for load, at in zip(loads, ((L - l_f) / L, l_f / L), strict=True)]
+    static = (L - l_f) / L, l_f / L
+    grown = [load / at_rest - 1.0 for load, at_rest in zip(loads, static, strict=True)]
     return out, grown, loads[0]
 
 
@@ -154,11 +155,11 @@ def test_what_is_seen_is_eta_and_slip_of_the_paper(z):
     front, rear = (
         (1.0 - s) * math.exp(0.002 * g) for s, g in ((slip_f, grown_f), (slip_r, grown_r))
     )
-    at = predict_stops(CAR, still(), np.array([z]))
-    assert at.eta_rise == pytest.approx(rear / front - 1.0, rel=1e-4)
-    assert at.slip == pytest.approx(1.0 - part * front - (1.0 - part) * rear, rel=1e-6)
+    predicted = predict_stops(CAR, still(), np.array([z]))
+    assert predicted.eta_rise == pytest.approx(rear / front - 1.0, rel=1e-4)
+    assert predicted.slip == pytest.approx(1.0 - part * front - (1.0 - part) * rear, rel=1e-6)
     assert still().log_level(z) == pytest.approx(0.0)
-    assert at.rolls.all()
+    assert predicted.rolls.all()
 
 
 def test_a_tyre_departs_in_a_stop_as_on_the_ramp():
@@ -171,9 +172,9 @@ def test_a_tyre_departs_in_a_stop_as_on_the_ramp():
         ),
     )
     for z in (0.1, 0.33, 0.6):
-        plain, at = (
+        plain, changed = (
             predict_stops(CAR, usual, np.array([z])),
             predict_stops(CAR, along, np.array([z])),
         )
-        assert at.eta_rise / plain.eta_rise == pytest.approx(1.0 + 0.1 * z)
-        assert at.slip / plain.slip == pytest.approx(1.0 - 0.2 * z)
+        assert changed.eta_rise / plain.eta_rise == pytest.approx(1.0 + 0.1 * z)
+        assert changed.slip / plain.slip == pytest.approx(1.0 - 0.2 * z)

@@ -18,21 +18,21 @@ CARS = {
 
 @pytest.fixture(scope="module", params=CARS)
 def runs(request):
-    """What a car has of its own, its table, and the estimate of a stop."""
-    own = CARS[request.param]
-    table = fit(CAR, [noisy(ramp(replace(REAL, **own)), 0)])
-    return own, table, estimate(table, noisy(stop(replace(WET, **own)), 10))
+    """Return how a car differs from its file, its table, and the estimate of a stop."""
+    unlike = CARS[request.param]
+    table = fit(CAR, [noisy(ramp(replace(REAL, **unlike)), 0)])
+    return unlike, table, estimate(table, noisy(stop(replace(WET, **unlike)), 10))
 
 
 def test_the_ramp_gives_pads_and_tyres_within_their_intervals(runs):
-    own, table, _ = runs
+    unlike, table, _ = runs
     c, draws = table.calibration, table.draws
     for pads in (c.pad_friction_f, c.pad_friction_r):
         assert abs(pads.value - 0.38) < 3.0 * pads.sigma
-    ratio, r = np.log(own.get("rear_stiffness", 1.0)), own.get("radius_load", 0.0)
+    ratio, r = np.log(unlike.get("rear_stiffness", 1.0)), unlike.get("radius_load", 0.0)
     tyres = np.log(draws.compliance_f / draws.compliance_r)
-    for found, true in ((tyres, ratio), (draws.radius_load, r)):
-        assert abs(np.mean(found) - true) < 3.0 * np.std(found)
+    for x, true in ((tyres, ratio), (draws.radius_load, r)):
+        assert abs(np.mean(x) - true) < 3.0 * np.std(x)
 
 
 def test_intervals_of_a_stop_hold_the_true_pads(runs):
@@ -41,7 +41,7 @@ def test_intervals_of_a_stop_hold_the_true_pads(runs):
 
 
 def test_pads_and_tyres_that_differ_against_each_other_are_within_the_interval():
-    """They leave the traces of a car as declared, so no log tells them: the interval must."""
+    """They show in no log, which is that of a car as declared; the interval includes them."""
     pads = with_ratio(replace(REAL, rear_stiffness=np.exp(-0.09)), np.exp(0.09))
     table = fit(CAR, [noisy(ramp(pads), 0)])
     ratio = table.calibration.pad_log_ratio
