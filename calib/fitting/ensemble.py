@@ -65,8 +65,7 @@ _LENGTHS = ("cg_to_front_axle", "cg_height")  # `Draws` has them in m, an `Ensem
 def draws_of(car: Vehicle, e: Ensemble, pads: Calibration) -> Draws:
     """Return `TABLE_DRAWS` draws for a table. The level of the ``pads`` is drawn independently."""
     stored = e.take(np.linspace(0, e.size - 1, TABLE_DRAWS).astype(np.int64))
-    lengths = {name: getattr(stored, name) * getattr(car, name) for name in _LENGTHS}
-    columns = vars(stored) | lengths
+    columns = vars(stored) | {x: getattr(stored, x) * getattr(car, x) for x in _LENGTHS}
     scale, normal = pads.pad_scale, np.random.default_rng(42).standard_normal(TABLE_DRAWS)
     level = np.log(scale.value) + scale.sigma / scale.value * normal
     return Draws(**columns, log_pad_level=level, weight=np.full(TABLE_DRAWS, car.weight))

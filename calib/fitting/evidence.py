@@ -6,8 +6,8 @@ The evidence is the product of two likelihoods. The first is that of the brake f
     brake force = level N(pressure) (1 + discrepancy) + force of the mistake
 
 The second is that of eta and slip by the wheel speeds, (13) to (22). `_SumOfForces` has the first,
-`calib.fitting.regression` the second. `Evidence` averages their product over draws of pads and
-tyres and over sizes of the mistake; times the prior odds, it gives the odds of a `Cause`.
+`calib.fitting.regression` the second. `HypothesisEvidence` averages their product over draws of
+pads and tyres and over sizes of the mistake. Times the prior odds this gives the odds of a `Cause`.
 """
 
 import copy
@@ -34,8 +34,7 @@ _DRAWS = 512  # draws of pads and tyres
 _ANY_PADS = 0.5  # standard deviation of ln of the pads' ratio of the draws [1]
 _POINTS = 14  # means of the sum of forces on a ramp, at most
 _TREND = 0.05  # standard deviation of the change of the pads' level over a ramp [1]
-_DISCREPANCY = 0.015  # relative standard deviation of the pads from a constant friction [1]
-_LENGTH = 0.15  # correlation length in z of this discrepancy [1]
+_DISCREPANCY, _LENGTH = 0.015, 0.15  # of pads from a constant friction: sigma [1], length in z [1]
 _ZERO = 0.002  # standard deviation of the zero of the sum of forces over the weight [1]
 
 _LIKELY, _FIRST = 32, 64  # numbers of draws that screen mistakes: the likeliest, and the first
@@ -43,7 +42,7 @@ SCREENING_ERROR = 4.0  # error of ln of the odds by these draws, at most where t
 NEVER = -1e6  # ln of the odds of a hypothesis that no draw explains
 _NEAR = 6.0  # a mistake more than this below "nothing wrong" in ln evidence gets no further sizes
 _STEP = 0.05  # first step of the search of the best size, over the range of sizes [1]
-_TRIALS = 40  # largest number of sizes that the search tries
+_TRIES = 40  # largest number of sizes that the search tries
 _CHANGE = 0.01  # change of ln of the evidence at which the search ends
 
 
@@ -67,7 +66,7 @@ class _Level(NamedTuple):
     log_evidence: float  # a sum over the runs
     log_level: float  # ln of the pads' level, a mean over the runs [1]
     square: float  # sum of squared residuals over their errors [1]
-    count: int  # number of these residuals
+    size: int  # number of these residuals
 
 
 @cache
@@ -148,11 +147,10 @@ class _SumOfForces:
         level = float(sums.unit @ forces) / sums.information
         residual = forces - level * sums.unit
         square = float(residual @ residual)
-        log_level = math.log(max(level, 1e-2))
-        return _Level(sums.log - 0.5 * square, log_level, square, residual.size)
+        return _Level(sums.log - 0.5 * square, math.log(max(level, 1e-2)), square, residual.size)
 
 
-class Evidence:
+class HypothesisEvidence:
     """Evidence of hypotheses on ramps of a car, or on stops that may be on an ``other_road``."""
 
     def __init__(self, car: Vehicle, runs: Sequence[RampRun], other_road: bool) -> None:
@@ -182,7 +180,7 @@ class Evidence:
         causes = screening.causes_of(mistakes, nothing - SCREENING_ERROR, search_from)
         return [replace(cause, log_odds=cause.log_odds + correction) for cause in causes]
 
-    def _with_draws(self, rows: Index) -> "Evidence":
+    def _with_draws(self, rows: Index) -> "HypothesisEvidence":
         """Return the evidence by these ``rows`` of the draws."""
         evidence, (e, centre, root) = copy.copy(self), self._draws
         evidence._draws = e.take(rows), centre[rows], root[rows]
@@ -238,10 +236,8 @@ class Evidence:
 
         inward = np.where(start > 0.5 * (low + high), -_STEP, _STEP) * (high - low)
         simplex = np.vstack([start, start + np.diag(inward)])
-        options = {
-            "maxfev": _TRIALS, "fatol": _CHANGE, "xatol": math.inf, "initial_simplex": simplex,
-        }  # fmt: skip
-        best = minimize(minus_log_evidence, start, method="Nelder-Mead", options=options)
+        limits = {"maxfev": _TRIES, "fatol": _CHANGE, "xatol": math.inf, "initial_simplex": simplex}
+        best = minimize(minus_log_evidence, start, method="Nelder-Mead", options=limits)
         return tuple(best.x.tolist())
 
     def _by_size(self, pairs: Sequence[tuple[Hypothesis, Size]]) -> "dict[Hypothesis, _BySize]":
@@ -260,14 +256,14 @@ class Evidence:
         by_draw = solution.log_evidence + self._log_prior(level.log_level, h.pads)
         residual = solution.residual(int(np.argmax(by_draw)))
         square = level.square + float(residual @ residual)
-        misfit = square / (residual.size + level.count)
+        misfit = square / (residual.size + level.size)
         return _log_mean(by_draw) + level.log_evidence, misfit
 
     def _level_of(self, runs: Sequence[RampRun]) -> _Level:
         """Return the level by the forces of all ``runs``."""
         by_run = [forces.read(run) for forces, run in zip(self._sums, runs, strict=True)]
-        log, level, square, count = zip(*by_run, strict=True)
-        return _Level(sum(log), float(np.mean(level)), sum(square), sum(count))
+        log, level, square, size = zip(*by_run, strict=True)
+        return _Level(sum(log), float(np.mean(level)), sum(square), sum(size))
 
     def _log_prior(self, log_level: float, pads: tuple[float, float]) -> Array:
         """Return ln of the prior density of level and ratio (n,), over that of the draws.

@@ -52,7 +52,6 @@ from calib.table.table import (
 )
 
 _V_OR_A_X = "v or a_x, which contradict each other: the clock, the scale or a filter of one"
-"""Likely cause of impossible pads where a warning says that v and a_x disagree."""
 
 
 def fit(
@@ -121,10 +120,11 @@ def fit(
     path, z_end = _path(car, quarter, full, refused)
     pads, budget = _calibration(car, ensemble, full, resistance)
     disagree = any(warning.code in ("a_x_scale", "a_x_against_v") for warning in warnings)
-    likely = _V_OR_A_X if disagree else other_than_pads(causes)
-    require_possible_pads(car, pads, warnings, likely)
+    likely_cause = _V_OR_A_X if disagree else other_than_pads(causes)
+    require_possible_pads(car, pads, warnings, likely_cause)
     difference, paper = difference_curves(car, quarter, full, z_end)
     pad_map, level_map = maps(car, ensemble, pressure_odds(full))
+    roles = {"ramp": ramps, "coast": coasts, "stop": stops}
     share_of_prior = min((pads.pad_log_ratio.sigma / ratio_prior.sigma) ** 2, 1.0)
     table = Table(
         name=vehicle.name,
@@ -137,9 +137,7 @@ def fit(
         noise=asdict(worst_noise([run.noise for run in runs])),
         quality=metrics(car, runs, path, share_of_prior) | figures,
         remarks=(*remarks(driven, used, runs, support), *by_stops),
-        provenance=_provenance(
-            {"ramp": ramps, "coast": coasts, "stop": stops}, bench, tyre, fleet or {}
-        ),
+        provenance=_provenance(roles, bench, tyre, fleet or {}),
         warnings=(
             *rule_warnings(vehicle.name, [Measured(prior.code, p) for prior, p in support], FIT),
             *mistakes,

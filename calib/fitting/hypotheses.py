@@ -57,6 +57,9 @@ class Hypothesis:
     axle: str = ""  # axle with the mistake, "f" or "r"
 
 
+NOTHING_WRONG = Hypothesis("", 1.0)
+
+
 def hypotheses(car: Vehicle, runs: Sequence[RampRun]) -> Iterator[Hypothesis]:
     """Yield pads unlike those of the file, then all mistakes that these ramps may have."""
     other, usual = _OTHER_PADS, USUAL_PADS
@@ -94,8 +97,7 @@ def _with_force(
 ) -> RampRun:
     """Return the run with an additional ``force`` [N] (k,), positive if it slows, on an axle."""
     extra, name = force(run, size), f"drag_{axle}"
-    changed = {name: getattr(run, name) + extra, "brake_sum": run.brake_sum - extra}
-    return replace(run, **changed)
+    return replace(run, **{name: getattr(run, name) + extra, "brake_sum": run.brake_sum - extra})
 
 
 def _missing_force(axle: str, radius: float, run: RampRun, size: Size) -> Array:

@@ -34,7 +34,6 @@ _WITHIN = 0.3  # scatter around each of these values, which are 1 apart [standar
 _STEP = 0.02  # step of ln of a peak, or of ln of the pads' ratio, for a derivative [1]
 _SEARCHES = 3  # steps of Newton's method to the likeliest pads
 _LONGEST_STEP = 0.3  # of Newton's method, in ln of the pads' ratio [1]
-_LEAST_PRECISION = 1.0  # of ln of the pads' ratio, if eta and slip hardly depend on it [1]
 _LARGEST_RMS = 3.0  # of the residuals over their errors, above which no draw explains a stop [1]
 
 
@@ -117,8 +116,7 @@ def _log_likelihood_on(
 
     ``e`` has the peak of the road; ``stiffer`` and ``sigmas`` as in `_roads`.
     """
-    # unit slips are the factors of the compliances in the rows of eta, the first half of all rows;
-    # their means (2, n, 2): at the peak and a step beyond, of each axle
+    # mean unit slips (2, n, 2) at the peak and a step beyond, by the rows of eta: the first half
     rows = [regression.equations(replace(e, peak=x * e.peak))[0] for x in (1.0, math.exp(_STEP))]
     slips = np.stack([np.abs(np.split(x[:, :2], 2, axis=-1)[0]).mean(axis=-1) for x in rows])
     by_peak = np.log(slips[1] / slips[0]) / _STEP * sigmas[0]  # (n, 2)
@@ -138,8 +136,8 @@ def _log_likelihood_on(
     for _ in range(_SEARCHES):
         low, log, high = (log_evidence(change + x) for x in (-_STEP, 0.0, _STEP))
         slope, curvature = (high - low) / (2.0 * _STEP), (2.0 * log - low - high) / _STEP**2
-        flattest = np.maximum(np.abs(slope) / _LONGEST_STEP, _LEAST_PRECISION)
-        precision = np.maximum(curvature, flattest)
+        # at least 1, where eta and slip hardly depend on the pads
+        precision = np.maximum(curvature, np.maximum(np.abs(slope) / _LONGEST_STEP, 1.0))
         change = change + slope / precision
     # Laplace: the likelihood of the change is normal; the prior of the change is a mixture
     pads, of_likelihood = STOP.log_pad_ratio, 1.0 / precision[:, None]

@@ -6,7 +6,6 @@ A scenario is one stop: a draw of the car, and a draw of road, load and sensors 
 Its eta - 1 and slip are predicted at each deceleration. A cell of the pad map has quantiles of the
 pads' ratio over the scenarios, each weighed by the likelihood of eta and slip of the cell. The
 level map has quantiles of the ratio without eta and slip, and quantiles of the level.
-
 So the bounds of a cell include what the ramps left open and what a stop may change. Where a softer
 road and weak rear pads explain the same eta, the bounds include both.
 """
@@ -248,8 +247,7 @@ def _quantiles(x: Array, order: Index, weights: Array) -> Array:
     which the quantile is linear.
     """
     size = x.size // _GROUPS
-    # scenarios of each group: (chunks, groups of a chunk, size)
-    groups = order[: size * _GROUPS].reshape(_CHUNKS, -1, size)
+    groups = order[: size * _GROUPS].reshape(_CHUNKS, -1, size)  # (chunk, group, scenario)
     edges = np.append(x[groups[..., 0]], x[groups[-1, -1, -1]])
     sums = [np.ones(size) @ weights.take(chunk, axis=0) for chunk in groups]
     below = np.cumsum(np.concatenate(sums), axis=0)

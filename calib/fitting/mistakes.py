@@ -3,7 +3,6 @@
     ln odds = ln prior odds + ln evidence - ln evidence of no mistake
 
 See `calib.fitting.evidence` for the evidence and `calib.fitting.hypotheses` for the list.
-
 A mistake is named only where it explains the ramp well, and better than "nothing wrong" does. Two
 mistakes at once are not considered, and a wrong gain of p_mc looks like other pads.
 """
@@ -17,17 +16,8 @@ from calib.base.names import AXLE_NAMES
 from calib.base.units import BAR
 from calib.base.warning import Measured
 from calib.car.vehicle import Vehicle
-from calib.fitting.evidence import NEVER, SCREENING_ERROR, Cause, Evidence
-from calib.fitting.hypotheses import (
-    DRAG,
-    LATE,
-    MOTOR,
-    SCALE,
-    USUAL_PADS,
-    VALVE,
-    Hypothesis,
-    hypotheses,
-)
+from calib.fitting.evidence import NEVER, SCREENING_ERROR, Cause, HypothesisEvidence
+from calib.fitting.hypotheses import DRAG, LATE, MOTOR, NOTHING_WRONG, SCALE, VALVE, hypotheses
 from calib.model.ramp import RampRun
 
 _EXPLAINED, _MOSTLY, _GAIN = 2.5, 8.0, 2.5
@@ -46,8 +36,8 @@ def causes_of(car: Vehicle, runs: Sequence[RampRun], other_road: bool = False) -
     The runs are ramps, or stops that may be on an ``other_road``; both axles brake in them. Raises
     ValueError where a run has no usable block.
     """
-    evidence = Evidence(car, runs, other_road)
-    all_hypotheses = (Hypothesis("", 1.0), *hypotheses(car, runs))
+    evidence = HypothesisEvidence(car, runs, other_road)
+    all_hypotheses = (NOTHING_WRONG, *hypotheses(car, runs))
     pads = [evidence.cause_of_pads(h) for h in all_hypotheses if not h.code]
     nothing = pads[0].log_odds
     screened = evidence.screened([h for h in all_hypotheses if h.code], pads)
@@ -83,10 +73,9 @@ def _candidates(causes: Sequence[Cause]) -> tuple[Cause, ...]:
 
     There are none where "nothing wrong" is as probable, or where no hypothesis explains the runs.
     """
-    best, usual = causes[0], (USUAL_PADS, USUAL_PADS)
-    decisive = _decisive(best)
+    best, decisive = causes[0], _decisive(causes[0])
     near = tuple(c for c in causes if c.log_odds > best.log_odds - decisive)
-    nothing = next(c for c in causes if not c.hypothesis.code and c.hypothesis.pads == usual)
+    nothing = next(cause for cause in causes if cause.hypothesis is NOTHING_WRONG)
     largest_misfit = max(_EXPLAINED, min(_MOSTLY, nothing.misfit / _GAIN))
     return near if best.misfit < largest_misfit and best.log_odds > decisive else ()
 

@@ -14,18 +14,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from calib.base.arrays import Array, Index
+from calib.car.beliefs import CAR
 from calib.car.vehicle import Vehicle
 from calib.fitting.ensemble import Ensemble, spread_evenly
 from calib.fitting.pads import DEFAULT_PRIOR
-from calib.fitting.prior import (
-    COMPLIANCE,
-    DRAWN,
-    PLACES,
-    Prior,
-    draw_cars,
-    log_importance,
-    prior_index,
-)
+from calib.fitting.prior import DRAWN, PLACES, Prior, draw_cars, log_importance, prior_index
 from calib.fitting.regression import Regression
 from calib.model.ramp import RampRun
 from calib.table.table import Value
@@ -98,15 +91,14 @@ def posterior(
         by_user = log_importance(ratio, e.log_pad_ratio) if ratio != DEFAULT_PRIOR else 0.0
         return regression.solve(e, centre, root).log_evidence + by_user
 
-    start = ndtri(spread_evenly(draws, DRAWN + bool(priors)))
-    x = _tempered(start, log_evidence, rng)
+    x = _tempered(ndtri(spread_evenly(draws, DRAWN + bool(priors))), log_evidence, rng)
     e, centre, root = draw_cars(x, priors)
     _, mean, A, *_ = regression.solve(e, centre, root)
     # draw the linear parameters: with the precision A = C C', C'^-1 noise has the covariance A^-1
     noise = rng.standard_normal(mean.shape)[..., None]
     linear_x = mean + np.linalg.solve(np.linalg.cholesky(A).transpose(0, 2, 1), noise)[..., 0]
     linear = centre + np.einsum("nij,nj->ni", root, linear_x)  # root @ x, of each draw
-    front, rear = np.maximum(linear[:, :2].T, 0.1 * COMPLIANCE)  # else some could be negative
+    front, rear = np.maximum(linear[:, :2].T, 0.1 * CAR.compliance.mean)  # else some are negative
     e = replace(e, compliance_f=front, compliance_r=rear, radius_load=linear[:, 2])
     residual = regression.residuals(e) @ regression.white.T
     from_prior = np.hstack([x[:, :DRAWN], linear_x])  # deviations from the prior (n, k)

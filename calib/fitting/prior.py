@@ -33,9 +33,9 @@ PLACES = {name: np.flatnonzero(np.array(NAMES) == name).tolist() for name in NAM
 """Indices of the coordinates of each name."""
 DRAWN = len(FORMS) + len(_NONLINEAR)  # number of the nonlinear ones; others are integrated out
 
-COMPLIANCE, _SIGMA = CAR.compliance.mean, CAR.compliance.sigma
-_APART = 0.5 * CAR.log_tyre_ratio.sigma * COMPLIANCE  # sigma of half the difference of the axles
-_LINEAR = np.array([COMPLIANCE, COMPLIANCE, CAR.radius_load.mean])
+_COMPLIANCE, _SIGMA = CAR.compliance.mean, CAR.compliance.sigma
+_APART = 0.5 * CAR.log_tyre_ratio.sigma * _COMPLIANCE  # sigma of half the difference of the axles
+_LINEAR = np.array([_COMPLIANCE, _COMPLIANCE, CAR.radius_load.mean])
 _TO_LINEAR = np.array(
     [[_SIGMA, _APART, 0.0], [_SIGMA, -_APART, 0.0], [0.0, 0.0, CAR.radius_load.sigma]]
 )
@@ -186,7 +186,7 @@ def _by_tyres(car: Vehicle, tyres: Sequence[TyreFile]) -> Prior:
     for name, x in zip(("load_exponent", "peak_load_exponent", "peak"), nonlinear, strict=True):
         mean[PLACES[name]] = (x - getattr(CAR, name).mean) / getattr(CAR, name).sigma
     mean[DRAWN:] = np.linalg.solve(_TO_LINEAR, [*compliances, radius_load] - _LINEAR)
-    sigma[PLACES["compliance"] + PLACES["log_tyre_ratio"]] *= np.mean(compliances) / COMPLIANCE
+    sigma[PLACES["compliance"] + PLACES["log_tyre_ratio"]] *= np.mean(compliances) / _COMPLIANCE
     covariance, form = np.diag(sigma**2), PLACES["form"]
     mean[form], covariance[np.ix_(form, form)] = _forms_like(use, np.mean(slips, axis=0))
     return Prior(" and ".join(t.name for t in tyres), "tyre_file", mean, covariance)

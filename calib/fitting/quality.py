@@ -86,12 +86,11 @@ def explained(
             + ": look at the log with `brake-cal check`",
         )
     eta, slip = (np.concatenate(x) for x in zip(*by_ramp, strict=True))
-    figures = {
+    return ensemble, {
         "residual_eta_rms_sigma": _rms(eta),
         "residual_slip_rms_sigma": _rms(slip),
         "outliers": float(np.count_nonzero(np.abs(eta) > SETTINGS.outlier)),
     }
-    return ensemble, figures
 
 
 def _ramp_residuals(

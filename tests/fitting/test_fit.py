@@ -132,10 +132,8 @@ def test_rate_of_the_log_does_not_matter(rate, table, clean):
 
 def test_a_log_without_braking_serves_as_a_coast(table, run, coast):
     with_coast = fit(CAR, [coast, run])
-    assert [(log.name, log.role) for log in with_coast.provenance.logs] == [
-        ("ramp", "ramp"),
-        ("coast", "coast"),
-    ]
+    roles = [(log.name, log.role) for log in with_coast.provenance.logs]
+    assert roles == [("ramp", "ramp"), ("coast", "coast")]
     for effect, parameter, truth in (
         ("aerodynamic_drag", "drag_area", 0.66),
         ("rolling_resistance", "coefficient", 0.011),

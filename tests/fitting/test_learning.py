@@ -66,10 +66,8 @@ def test_a_stop_that_nothing_explains_or_without_a_speed_tells_nothing(drawn):
 def test_a_log_that_brakes_too_fast_for_a_ramp_is_a_stop_beside_one():
     logs = [replace(noisy(ramp(PLANT), 1), digest="a"), replace(of_stop(30e5, 2), digest="b")]
     table = fit(CAR, logs)
-    assert {log.name: log.role for log in table.provenance.logs} == {
-        "ramp": "ramp",
-        "stop_2": "stop",
-    }
+    roles = {log.name: log.role for log in table.provenance.logs}
+    assert roles == {"ramp": "ramp", "stop_2": "stop"}
     assert table.provenance.fitted_log_of(logs[1])
     with pytest.raises(LogError):
         fit(CAR, logs[1:])

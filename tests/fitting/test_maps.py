@@ -65,12 +65,10 @@ def conditional(name, shift, slip_at, follows):
     eta = RISE**2 * ratio + NOISE**2
     covariance = RISE * follows * ratio
     slip = follows**2 * ratio + SCATTER**2
-    slip_variance = slip - covariance**2 / eta  # of ln slip at a shift
+    slip_sigma = math.sqrt(slip - covariance**2 / eta)  # of ln slip at a shift
     covariances = np.array([RISE * variance, follows * variance])
     joint = np.array([[eta, covariance], [covariance, slip]])
-    deviation = np.array(
-        [shift - BASE, covariance / eta * (shift - BASE) + slip_at * math.sqrt(slip_variance)]
-    )
+    deviation = np.array([shift - BASE, covariance / eta * (shift - BASE) + slip_at * slip_sigma])
     gain = np.linalg.solve(joint, covariances)
     return float(gain @ deviation), math.sqrt(variance - gain @ covariances)
 
@@ -181,8 +179,7 @@ def test_ranks_of_the_ratio_are_uniform(table, fresh, z, name, sees):
         cells = mixed([read(pad_map, where, shift, x + 0.0 * where) for x in pad_map.axes["slip"]],
                       odds / odds.sum(), name)  # fmt: skip
     below, middle, above = shares(true, cells, name, stops.rolls)
-    inside = above - below
-    assert 0.90 < inside < 0.99
+    assert 0.90 < above - below < 0.99
     assert middle == pytest.approx(0.5, abs=0.05)
     assert below < 0.06
     assert above > 0.94

@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from calib.fitting.evidence import Evidence
+from calib.fitting.evidence import HypothesisEvidence
 from calib.fitting.hypotheses import Hypothesis
 from calib.fitting.mistakes import causes_of, named
 from calib.logs.log import Log
@@ -127,8 +127,7 @@ def test_nothing_is_named_where_nothing_is_wrong(log):
 def test_nothing_is_named_where_nothing_explains_the_ramp():
     log = noisy(ramp(REAL), 7)
     shaken = {w: log[w] * (1.0 + 0.01 * np.sin(3.0 * log.time)) for w in ("omega_fl", "omega_fr")}
-    spoilt = replace(log, channels={**log.channels, **shaken})
-    assert named(causes(spoilt)) == ()
+    assert named(causes(replace(log, channels={**log.channels, **shaken}))) == ()
 
 
 @pytest.mark.parametrize("blocks", [5, 60])
@@ -137,7 +136,7 @@ def test_misfit_is_a_mean_square_of_as_many_residuals_as_there_are(blocks):
     run = prepared(noisy(ramp(REAL), 6))
     first = np.flatnonzero(run.braked)[0]
     run = replace(run, use=run.use & (np.arange(run.use.size) < first + blocks))
-    evidence, k = Evidence(CAR, [run], other_road=False), min(blocks, 14)
+    evidence, k = HypothesisEvidence(CAR, [run], other_road=False), min(blocks, 14)
     fitted = evidence._solution
     exact = fitted._replace(mean=0.0 * fitted.mean, data=0.0 * fitted.data)
     level = evidence._level._replace(square=float(k))
@@ -146,9 +145,9 @@ def test_misfit_is_a_mean_square_of_as_many_residuals_as_there_are(blocks):
 
 
 def test_what_no_draw_explains_is_no_reason_to_end(monkeypatch):
-    weighed, never = Evidence._weighed, (-np.inf, np.nan)
+    weighed, never = HypothesisEvidence._weighed, (-np.inf, np.nan)
     no_pads = lambda e, h, *more: weighed(e, h, *more) if h.code else never  # noqa: E731
-    monkeypatch.setattr(Evidence, "_weighed", no_pads)
+    monkeypatch.setattr(HypothesisEvidence, "_weighed", no_pads)
     all_causes = causes(noisy(ramp(REAL), 6))
     assert all(np.isfinite(cause.log_odds) for cause in all_causes)
     named(all_causes)

@@ -49,8 +49,7 @@ def test_a_car_without_one_is_right_without_v():
 
 def test_a_declared_valve_is_known():
     valve = Effects({"rear_proportioning": {"knee_slope": 0.4, "knee": KNEE}})
-    declared = replace(FRONT_BIASED, effects=valve)
-    table = fit(declared, [ramp(0.4, 2)])
+    table = fit(replace(FRONT_BIASED, effects=valve), [ramp(0.4, 2)])
     assert "rear_pressure_limited" not in [warning.code for warning in table.warnings]
     low, high = table.calibration.pad_friction_r.ci95
     assert low < 0.38 < high

@@ -133,10 +133,8 @@ def brush_slips(z, share):
     true = z / (1.0 + sum(inert))
     loads = (L - l_f + h * true) / L, (l_f - h * true) / L
     out = []
-    for part, inertia, load, c in zip(
-        (share, 1.0 - share), inert, loads, (0.04, 0.05), strict=True
-    ):
-        force, low, high = (part * z - inertia * true) / load, 0.0, 3.0 * c * 0.95
+    for part, lost, load, c in zip((share, 1.0 - share), inert, loads, (0.04, 0.05), strict=True):
+        force, low, high = (part * z - lost * true) / load, 0.0, 3.0 * c * 0.95
         for _ in range(60):
             slip = 0.5 * (low + high)
             carried = 0.95 * (1.0 - (1.0 - slip / (3.0 * c * 0.95)) ** 3)
@@ -172,9 +170,6 @@ def test_a_tyre_departs_in_a_stop_as_on_the_ramp():
         ),
     )
     for z in (0.1, 0.33, 0.6):
-        plain, changed = (
-            predict_stops(CAR, usual, np.array([z])),
-            predict_stops(CAR, along, np.array([z])),
-        )
+        plain, changed = (predict_stops(CAR, x, np.array([z])) for x in (usual, along))
         assert changed.eta_rise / plain.eta_rise == pytest.approx(1.0 + 0.1 * z)
         assert changed.slip / plain.slip == pytest.approx(1.0 - 0.2 * z)

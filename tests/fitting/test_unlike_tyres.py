@@ -10,10 +10,7 @@ from calib.fitting.fit import fit
 from calib.table.invariants import violations
 from tests.support.reference_car import CAR, REAL, WET, held, noisy, ramp, stop, with_ratio
 
-CARS = {
-    "rear tyres 10 % stiffer": {"rear_stiffness": 1.1},
-    "radius falls 0.4 %": {"radius_load": 0.004},
-}
+CARS = {"rear 10 % stiffer": {"rear_stiffness": 1.1}, "radius falls": {"radius_load": 0.004}}
 
 
 @pytest.fixture(scope="module", params=CARS)
