@@ -98,7 +98,8 @@ def _check_same(path: Path, data: Dataset, constant: Object, elf: Any, symbol: A
     size, in_program = symbol["st_size"], _bytes_of(path, elf, symbol)
     if constant.within is not None and in_program is not None:
         size, in_program = values.nbytes, in_program[constant.within.offset :][: values.nbytes]
-    if size != values.nbytes or in_program not in (None, values.astype(kind).tobytes()):
+    differs = in_program is not None and in_program != values.astype(kind).tobytes()
+    if size != values.nbytes or differs:
         raise ProgramError(
             f"holds other numbers in {constant.label}, {size} bytes",
             where=path,
@@ -121,5 +122,4 @@ def _bytes_of(path: Path, elf: Any, symbol: Any) -> bytes | None:
         raise ProgramError("is damaged: a symbol lies outside its section", where=path)
     if section["sh_type"] != "SHT_PROGBITS":
         return None
-    content: bytes = section.data()[begin : begin + size]
-    return content
+    return bytes(section.data()[begin : begin + size])

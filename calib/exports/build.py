@@ -40,10 +40,10 @@ _COLUMNS = {
     "log_slip": "mean of ln(slip/z)",
     "log_slip_sigma": "standard deviation of ln(slip/z)",
     "share": "share of the stops with this z that show such a shift",
-    "prior": "share of the ratio that is prior",
+    "prior": "width of the bounds of the ratio over that before eta is read",
 }
 _BOUNDS = ("_lower", "_upper")
-_FLAT = {"log_slip", "log_slip_sigma", "share"}  # exported without the last axis: constant along it
+_FLAT = {"log_slip", "log_slip_sigma", "share"}  # constant along the last axis, written without it
 
 
 def build(
@@ -79,7 +79,7 @@ def build(
 
 def _curves_of(table: Table, first: str, precision: Precision) -> Iterator[tuple[Axis, list[Grid]]]:
     """Return each axis with its curves, at the rows that are breakpoints."""
-    p, d, g = table.paper, table.difference, table.tyre
+    p, d, g = table.paper, table.difference, table.tyre  # f1 and f2, D, force
     over_eta = {
         "f1": ("f1 = F_f - z", p.f1, p.f1_lower, p.f1_upper, p.count, p.flag),
         "f2": ("f2 = F_r - z", p.f2, p.f2_lower, p.f2_upper, p.count, p.flag),
@@ -93,13 +93,15 @@ def _curves_of(table: Table, first: str, precision: Precision) -> Iterator[tuple
         name = label(first, name)
         y = np.array([values for _, values, *_ in curves.values()])
         rows = precision.rows(name, x, y)
-        error, written = misfit(x, y, x[rows], y[:, rows]), precision.axis(name, x[rows], origin)
-        axis = Axis(name, meaning, UNIT, *written, shared, origin, len(x), error)
+        error = misfit(x, y, x[rows], y[:, rows])
+        values, fixed = precision.axis(name, x[rows], origin)
+        axis = Axis(name, meaning, UNIT, values, fixed, shared, origin, rows=len(x), misfit=error)
         grids = []
-        for column, (text, *columns) in curves.items():
-            values, low, high, count, flag = (each[rows] for each in columns)
-            named = label(first, column), text, UNIT, *precision.numbers(values), column
-            grids.append(Grid(*named, (low, high), count, flag, axes=(axis,)))
+        for column, (text, *all_rows) in curves.items():
+            median, low, high, count, flag = (x[rows] for x in all_rows)
+            values, fixed = precision.numbers(median)
+            head = label(first, column), text, UNIT
+            grids.append(Grid(*head, values, fixed, column, (low, high), count, flag, axes=(axis,)))
         yield axis, grids
 
 
@@ -129,7 +131,7 @@ def maps_of(
         exported = written_map(table_map, precision, label(first, part))
         axes = tuple(
             Axis(
-                label(first, _name(part, name)), _AXES[name], UNIT, *written,
+                label(first, _name(part, name)), _AXES[name], UNIT, written.values, written.fixed,
                 shared=True, origin=0.0, rows=rows, misfit=exported.misfit[name],
             )
             for (name, written), rows in zip(exported.axes.items(), table_map.shape, strict=True)
@@ -141,19 +143,19 @@ def maps_of(
 
 def _grid(name: str, column: str, axes: tuple[Axis, ...], exported: WrittenMap) -> Grid:
     """Return a column of a map as a grid with the label ``name``."""
-    columns = exported.columns
+    columns, written = exported.columns, exported.columns[column]
     quantity, underscore, end = column.rpartition("_")
     is_bound = underscore + end in _BOUNDS
     meaning = f"{end} 95 % bound of {_COLUMNS[quantity]}" if is_bound else _COLUMNS[column]
     lower, upper = (columns.get(column + bound) for bound in _BOUNDS)
     bounds = (lower.values, upper.values) if lower and upper else None
-    grid = Grid(name, meaning, UNIT, *columns[column], column, bounds, axes=axes)
+    grid = Grid(name, meaning, UNIT, written.values, written.fixed, column, bounds, axes=axes)
     return _cut(grid, 0) if column in _FLAT else grid
 
 
 def _cut(grid: Grid, index: int) -> Grid:
     """Return a map at one value of its last axis, without that axis."""
-    part, bounds = slice(index, None, grid.shape[-1]), grid.bounds
+    part, bounds = slice(index, None, grid.shape[-1]), grid.bounds  # the last axis is the fastest
     return replace(
         grid,
         values=grid.values[part],
@@ -183,7 +185,7 @@ def _scalars(table: Table, version: int, first: str, precision: Precision) -> It
         name: str, meaning: str, unit: str, value: float, sigma: float | None = None
     ) -> Scalar:
         written = precision.wide.numbers(np.array([float(value)]))
-        return Scalar(label(first, name), meaning, unit, *written, sigma)
+        return Scalar(label(first, name), meaning, unit, written.values, written.fixed, sigma)
 
     yield scalar("version", "version of the table", "1", version)
     yield scalar("mass", "M_v, vehicle mass", "kg", car.mass)

@@ -47,7 +47,7 @@ def _best_rounding(pairs: Sequence[Pair]) -> tuple[str, list[Pair]]:
         "": [x for x in pairs if x.read.hex() != x.true.hex()],
         "to single precision": [x for x in pairs if np.float32(x.read) != np.float32(x.true)],
     }
-    if all(unexplained.values()):
+    if all(unexplained.values()):  # each of the two leaves some pairs
         for rounding, form in formats.items():
             unexplained[rounding] = [x for x in pairs if x.read not in _rounded(x.true, form)]
     best = min(unexplained, key=lambda rounding: len(unexplained[rounding]))
@@ -115,11 +115,10 @@ def difference(file: Returned, stored: Stored | None) -> Difference:
 def _compared(file: Returned, content: Content, edited: list[str]) -> Difference:
     """Compare a file with the numbers of a table; ``edited``: its contradiction to its checksum."""
     rounded, changed = _best_rounding(list(_pairs(file.content, content)))
-    wrong = [] if rounded else edited.copy()
+    wrong = [] if rounded else edited.copy()  # rounding explains another checksum
     wrong += [f"{x.where}: {x.read!r}, the table has {x.true!r}" for x in changed]
     wrong += _structural_flaws(file, content)
-    missing = tuple(sorted(_labels(content) - _labels(file.content)))
-    return Difference(wrong, rounded, missing)
+    return Difference(wrong, rounded, tuple(sorted(_labels(content) - _labels(file.content))))
 
 
 def _labels(content: Content) -> set[str]:
@@ -156,12 +155,12 @@ def _pairs(read: Content, table: Content) -> Iterator[Pair]:
         near = _nearest(read_axes[name], table_axes[name])
         yield from (Pair(name, x, row) for x, row in zip(read_axes[name], near, strict=True))
     for name in sorted(read.grids.keys() & table.grids.keys()):
-        (axes, values), (all_rows, cells) = read.grids[name], table.grids[name]
-        by_place = dict(zip(product(*all_rows), cells, strict=True))
-        near_rows = product(*(_nearest(x, rows) for x, rows in zip(axes, all_rows, strict=True)))
-        for place, value, cell in zip(product(*axes), values, near_rows, strict=True):
+        (axes, values), (axes_rows, cells) = read.grids[name], table.grids[name]
+        cell_at = dict(zip(product(*axes_rows), cells, strict=True))
+        near_rows = [_nearest(x, rows) for x, rows in zip(axes, axes_rows, strict=True)]
+        for place, rows, value in zip(product(*axes), product(*near_rows), values, strict=True):
             where = place if len(place) > 1 else place[0]
-            yield Pair(f"{name} at {where!r}", value, by_place[cell])
+            yield Pair(f"{name} at {where!r}", value, cell_at[rows])
 
 
 def _all_axes(content: Content) -> dict[str, Numbers]:

@@ -95,7 +95,7 @@ class Axis(Object):
     shared: bool  # whether several curves or maps have this axis
     origin: float  # of the fixed point
     rows: int  # number of rows of the table
-    misfit: Misfit  # interpolation error between the breakpoints
+    misfit: Misfit  # interpolation error between the breakpoints, before rounding
 
     @property
     def reduced(self) -> bool:
@@ -184,8 +184,8 @@ class Dataset:
         """Number format of a file for an ECU, in words."""
         if self.bits is None:
             return "float" if self.single else "double"
-        wide = "; scalars and axes of maps int16_t" if self.bits < LEAST_BITS else ""
-        return f"int{self.bits}_t, value = origin + step * raw{wide}"
+        exceptions = "; scalars and axes of maps int16_t" if self.bits < LEAST_BITS else ""
+        return f"int{self.bits}_t, value = origin + step * raw{exceptions}"
 
     @property
     def date(self) -> str:

@@ -87,10 +87,7 @@ class Exported:
 def require_handed_out(
     stored: Stored, without_effects: Sequence[str] = (), *, unreleased: bool = False
 ) -> None:
-    """Raise as `export` for a version that may not be handed out.
-
-    It is not released, or its car has known effects that no ECU senses.
-    """
+    """Raise as `export` for a version that is not released, or has effects that no ECU senses."""
     if not (stored.state.released or unreleased):
         raise StoreError(
             f"is {stored.state.description}",

@@ -140,7 +140,7 @@ def _words(part: str) -> list[list[str]]:
 def _block(path: Path, part: str) -> _Block:
     """Read the object in front of an END: its first line, its texts, and its numbers."""
     first, *lines = _words(part) or [[""]]
-    kind, name, *sizes = first if len(first) > 1 else [first[0], ""]
+    kind, (name, *sizes) = first[0], first[1:] or [""]  # the list of functions has no name
     if kind not in _ARRAYS or (not name and kind != _FUNCTIONS):
         raise _bad(path, f"{' '.join(first)!r} begins no object", f"one of {', '.join(_ARRAYS)}")
     where, unit = f"{path}: {name}", ""
@@ -152,15 +152,16 @@ def _block(path: Path, part: str) -> _Block:
             raise _bad(where, f"{word!r} within {kind}", ", ".join((*arrays, *_TEXTS)))
         elif word == ("EINHEIT_X" if kind == _AXIS else "EINHEIT_W"):
             unit = " ".join(words).strip('"')
-    axes = sum(array in arrays for array in (_X, _Y))
-    if len(sizes) != axes or not all(size.isdecimal() for size in sizes):
+    axes = [array for array in (_X, _Y) if array in arrays]
+    if len(sizes) != len(axes) or not all(size.isdecimal() for size in sizes):
         raise _bad(where, " ".join(first), "the number of its points along each axis")
     counts = [int(size) for size in sizes]
-    declared = dict(zip((_X, _Y), counts, strict=False)) | {_W: math.prod(counts)}
+    declared = dict(zip(axes, counts, strict=True)) | {_W: math.prod(counts)}
     numbers = {word: _floats(where, texts) for word, texts in arrays.items()}
     for word, read in numbers.items():
         if len(read) != declared[word]:
             raise _bad(where, f"{len(read)} of {declared[word]} numbers {word}", "as many as said")
+    # the lines *SSTX NAME and *SSTY NAME, comments to other readers, name shared axes
     over = re.findall(r"^\*SST([XY]).*\s(\S+)$", part, flags=re.MULTILINE)
     return _Block(kind, name, {f"ST/{axis}": label for axis, label in over}, unit, numbers)
 

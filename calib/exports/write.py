@@ -94,7 +94,7 @@ def _map(grid: Grid) -> dict[str, Any]:
 
 def _bounds(grid: Grid) -> dict[str, Array]:
     """Return the bounds of a grid by the keys of JSON, if it has any."""
-    return dict(zip(("lower", "upper"), grid.bounds or (), strict=False))
+    return dict(zip(("lower", "upper"), grid.bounds, strict=True)) if grid.bounds else {}
 
 
 def _rows(data: Dataset) -> Iterator[tuple[str | float | None, ...]]:
@@ -119,9 +119,9 @@ def _cells(grid: Grid) -> Iterator[tuple[str | float | None, ...]]:
     rows = zip(*(x.tolist() for x in columns), strict=True)
     for place, numbers in zip(places, rows, strict=True):
         (axis, x), *more = place
-        value, *of_curve = numbers
+        value, *bounds_count_flag = numbers
         further = [*(cell for pair in more for cell in pair), *missing]  # axis_2, x_2, axis_3, x_3
-        yield (grid.label, axis, x, value, grid.unit, *of_curve, grid.meaning, *further)
+        yield (grid.label, axis, x, value, grid.unit, *bounds_count_flag, grid.meaning, *further)
 
 
 def _write_csv(data: Dataset) -> bytes:
@@ -186,24 +186,25 @@ def _type_limits(constant: Object) -> tuple[float, float]:
     return constant.fixed.origin - half, constant.fixed.origin + half - constant.fixed.step
 
 
-def _band(constant: Object) -> Array:
-    """Return the 95 % ends of a scalar, the values with bounds of a curve, else the values."""
-    if isinstance(constant, Scalar):
-        return constant.values + Z95 * (constant.sigma or 0.0) * np.array([-1.0, 1.0])
-    if isinstance(constant, Grid) and constant.count is not None:
-        return np.concatenate((constant.values, *(constant.bounds or ())))
-    return constant.values
+def _band(scalar: Scalar) -> Array:
+    """Return the 95 % bounds (2,) of a scalar."""
+    return scalar.values + Z95 * (scalar.sigma or 0.0) * np.array([-1.0, 1.0])
 
 
 def _limits(constant: Object) -> tuple[float, float]:
     """Return the range of the numbers with their 95 % bounds, within that of the type [unit]."""
     if constant.within is not None:  # a number of the C code has no limits
         return -MOST, MOST
-    values = constant.values if constant.fixed is None else constant.fixed.values
-    band = _band(constant)
-    band = np.concatenate((values, band[np.isfinite(band)]))
+    fixed = constant.fixed
+    parts = [constant.values] if fixed is None else [constant.values, fixed.values]
+    if isinstance(constant, Scalar):
+        parts.append(_band(constant))
+    elif isinstance(constant, Grid) and constant.count is not None:  # bounds of a map are grids
+        parts += constant.bounds or ()
+    numbers = np.concatenate(parts)
+    finite = numbers[np.isfinite(numbers)]
     low, high = _type_limits(constant)
-    return max(float(band.min()), low), min(float(band.max()), high)
+    return max(float(finite.min()), low), min(float(finite.max()), high)
 
 
 def _display_format(constant: Object) -> str:

@@ -50,32 +50,32 @@ def test_bytes_at_the_addresses_decode_to_the_table(real, tmp_path, bits):
     module = read_a2l(FORMATS["a2l"].write(replace(data, addresses=find_addresses(elf, data)))).one(
         "MODULE"
     )
-    found = decoded(module, memory_of(elf))
+    numbers = decoded(module, memory_of(elf))
     truth = {constant.label: constant.values for constant in data.objects}
-    assert found.keys() == truth.keys()
+    assert numbers.keys() == truth.keys()
     for name, values in truth.items():
         if bits is None:
-            assert [v.hex() for v in found[name]] == [float(v).hex() for v in values]
+            assert [v.hex() for v in numbers[name]] == [float(v).hex() for v in values]
         else:
             largest = np.abs(values - (1.0 if "eta" in name else 0.0)).max()
             step = 2.0 * largest / (2 ** (bits - 1) - 1)
-            assert np.abs(np.array(found[name]) - values).max() <= step / 2 + 1e-15
+            assert np.abs(np.array(numbers[name]) - values).max() <= step / 2 + 1e-15
 
 
 @pytest.mark.parametrize("bits", WIDTHS)
 def test_limits_hold_the_numbers_and_the_type_holds_the_limits(real, bits):
     data = built(real, 8, bits=bits)
     module = read_a2l(FORMATS["a2l"].write(data)).one("MODULE")
-    found = objects(module)
+    by_label = objects(module)
     for curve in data.curves:
-        low, high = found[curve.label][3]
+        low, high = by_label[curve.label][3]
         assert low <= curve.values.min() < curve.values.max() <= high
     mu = next(s for s in data.scalars if s.label.endswith("_mu_f"))
-    low, high = found[mu.label][3]
+    low, high = by_label[mu.label][3]
     assert low <= mu.values[0] <= high
     for block in module.all("AXIS_PTS", "CHARACTERISTIC"):
         least, most = map(float, block.after("EXTENDED_LIMITS", 2))
-        low, high = found[block.given[0]][3]
+        low, high = by_label[block.given[0]][3]
         assert least <= low <= high <= most
 
 

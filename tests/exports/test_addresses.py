@@ -1,4 +1,4 @@
-"""Addresses of programs made by gcc, or by hand in byte orders and widths that it has not here."""
+"""Addresses in programs made by gcc, or by hand in the other byte order and width."""
 
 import random
 import shutil
@@ -24,14 +24,14 @@ def data(stored):
     return build(stored, 5)
 
 
-def held(data, order):
-    """Bytes of each object in double, in one byte order."""
+def bytes_by_label(data, order):
+    """Return the bytes of each object in double, by label."""
     return {o.label: struct.pack(f"{order}{len(o.values)}d", *o.values) for o in data.objects}
 
 
 @pytest.fixture
 def program(tmp_path):
-    """A file that holds some bytes."""
+    """Return a function that writes a file with the given content."""
 
     def write(content):
         path = tmp_path / "ecu"
@@ -44,18 +44,18 @@ def program(tmp_path):
 @pytest.mark.parametrize("order", ["<", ">"])
 @pytest.mark.parametrize("wide", [False, True])
 def test_both_byte_orders_and_both_widths_of_elf(data, program, order, wide):
-    objects = held(data, order)
-    elf = made_elf(objects, order, wide, base=0x8000_0000)
+    objects, base = bytes_by_label(data, order), 0x8000_0000
+    elf = made_elf(objects, order, wide, base=base)
     if readelf := shutil.which("readelf"):
         run = subprocess.run([readelf, "-Ws", program(elf)], capture_output=True, text=True)
         assert (run.stderr, data.scalars[0].label in run.stdout) == ("", True)
     addresses = find_addresses(program(elf), data)
     assert (addresses.big_endian, addresses.remarks) == (order == ">", ())
-    memory, at = b"".join(objects.values()), 0x8000_0000
+    memory = b"".join(objects.values())
     module = read_a2l(FORMATS["a2l"].write(replace(data, addresses=addresses))).one("MODULE")
-    found = decoded(module, lambda a, size: memory[a - at : a - at + size])
-    assert found["sedan_f1"] == data.curves[0].values.tolist()
-    assert found["sedan_mass"] == [1744.0]
+    numbers = decoded(module, lambda a, size: memory[a - base : a - base + size])
+    assert numbers["sedan_f1"] == data.curves[0].values.tolist()
+    assert numbers["sedan_mass"] == [1744.0]
 
 
 @needs_gcc
@@ -71,19 +71,18 @@ def test_an_object_file_a_stripped_program_and_a_moving_one(data, tmp_path):
 
 
 def test_a_program_of_other_numbers_is_refused(stored, data, program):
-    elf = program(made_elf(held(data, "<"), "<", True))
-    fixed = build(stored, 5, bits=16)
-    refusal(find_addresses, elf, fixed, kind=ProgramError, names="sedan_eta")
+    elf = program(made_elf(bytes_by_label(data, "<"), "<", True))
+    refusal(find_addresses, elf, build(stored, 5, bits=16), kind=ProgramError, names="sedan_eta")
     other = build(replace(stored, table=made_table(28.0)), 5)
     refusal(find_addresses, elf, other, kind=ProgramError, names="sedan@1")
 
 
 def test_symbols_that_are_missing_outside_their_section_or_too_far_are_refused(data, program):
-    objects = held(data, "<")
+    objects = bytes_by_label(data, "<")
     del objects["sedan_f2"], objects["sedan_D"]
     says = refusal(find_addresses, program(made_elf(objects, "<", False)), data, names="sedan_D")
     assert "SEDAN_DEFINE" in says
-    whole = held(data, "<")
+    whole = bytes_by_label(data, "<")
     far = program(made_elf(whole, "<", True, base=0x1_0000_0000))
     assert "32 bits" in refusal(find_addresses, far, data, names="0x100000000")
     for home in (0x0FF8, 0x1008):
@@ -115,18 +114,18 @@ def test_no_file_a_folder_and_a_file_too_large(data, tmp_path):
 @pytest.mark.parametrize(("order", "wide"), [("<", True), (">", False)])
 def test_a_damaged_program_is_read_rightly_or_refused(data, program, order, wide):
     """Many cuts, and 300 changes of one byte of the header, symbols and sections."""
-    whole = made_elf(held(data, order), order, wide)
-    right = find_addresses(program(whole), data).by_label
+    whole = made_elf(bytes_by_label(data, order), order, wide)
+    expected = find_addresses(program(whole), data).by_label
     for end in range(4, len(whole), 41):
         refusal(find_addresses, program(whole[:end]), data, kind=ProgramError)
     draw, refused = random.Random(1), 0
     for _ in range(300):
-        at = draw.choice([*range(4, 64), *range(len(whole) - 1500, len(whole))])
-        broken = whole[:at] + bytes([draw.randrange(256)]) + whole[at + 1 :]
+        place = draw.choice([*range(4, 64), *range(len(whole) - 1500, len(whole))])
+        broken = whole[:place] + bytes([draw.randrange(256)]) + whole[place + 1 :]
         try:
-            found = find_addresses(program(broken), data).by_label
+            addresses = find_addresses(program(broken), data).by_label
         except ProgramError:
             refused += 1
         else:
-            assert found.keys() == right.keys()
+            assert addresses.keys() == expected.keys()
     assert refused > 30

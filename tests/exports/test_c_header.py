@@ -36,13 +36,13 @@ def printed(folder, data, body):
 
 
 def shown(data):
-    """C code that prints every number of the header, as its integers stand for in fixed point."""
+    """Return C code that prints every number of the header; in fixed point the decoded number."""
     value = "{0}_origin + {0}_step * (double){1}" if data.bits else "{1}"
     lines = []
     for constant in data.objects:
-        first = "[0]" * len(constant.axes) or ("[0]" if constant in data.axes else "")
-        at = value.format(constant.label, f"(&{constant.label}{first})[i]")
-        text = f'printf("{constant.label} %.17g\\n", {at});'
+        first_cell = "[0]" * len(constant.axes) or ("[0]" if constant in data.axes else "")
+        number = value.format(constant.label, f"(&{constant.label}{first_cell})[i]")
+        text = f'printf("{constant.label} %.17g\\n", {number});'
         lines.append(f"for (unsigned i = 0U; i < {len(constant.values)}U; i++) {{ {text} }}")
     return "\n".join(lines)
 
@@ -50,7 +50,7 @@ def shown(data):
 @needs_compiler
 @pytest.mark.parametrize(("points", "width"), [(None, None), (8, 8), (8, 16), (8, 32)])
 def test_a_compiler_sees_the_table(real, tmp_path, points, width):
-    """To the last bit in double; in fixed point it errs by what the comment says."""
+    """Equal to the last bit in double; in fixed point within the error in the comment."""
     data, by_label = build(real, points, bits=width), {}
     for line in printed(tmp_path, data, shown(data)).splitlines():
         by_label.setdefault(line.split()[0], []).append(float(line.split()[1]))

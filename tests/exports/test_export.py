@@ -53,8 +53,7 @@ def test_an_effect_that_no_ecu_senses_is_refused_until_it_is_named(stored, tmp_p
     written = export(fades, path, without_effects=["pad_thermal_fade"])
     assert b"pad_thermal_fade" in written.content
     assert b"hydraulic_lag" in written.content
-    facts = written.data.facts()
-    assert "hydraulic_lag" not in facts["effects not known to the ECU"]
+    assert "hydraulic_lag" not in written.data.facts()["effects not known to the ECU"]
 
 
 def test_a_name_of_no_such_effect_is_refused(stored, tmp_path):

@@ -39,7 +39,7 @@ print(json.dumps({
 
 
 def dcm_reader(content, folder):
-    """DcmReader loops on a missing END: it gets a process and a limit."""
+    """Read a file by DcmReader, in a process with a limit: it loops forever on a missing END."""
     (folder / "table.dcm").write_bytes(content)
     run = subprocess.run(
         [sys.executable, "-c", DCM_READER, folder / "table.dcm"],
@@ -87,22 +87,22 @@ def cdf_of(data):
 
 
 def from_cdf(data, folder):
-    _, found = cdf_of(data)
+    _, instances = cdf_of(data)
     numbers = {
         name: [float(v.text) for v in i.findall("SW-VALUE-CONT/SW-VALUES-PHYS/V")]
-        for name, i in found.items()
+        for name, i in instances.items()
     }
     curves = {}
-    for name, one in found.items():
-        axis = one.find("SW-AXIS-CONTS/SW-AXIS-CONT")
+    for name, instance in instances.items():
+        axis = instance.find("SW-AXIS-CONTS/SW-AXIS-CONT")
         if axis is not None:
-            own = [float(v.text) for v in axis.findall("SW-VALUES-PHYS/V")]
-            curves[name] = own or numbers[axis.findtext("SW-INSTANCE-REF")], numbers[name]
+            own_points = [float(v.text) for v in axis.findall("SW-VALUES-PHYS/V")]
+            curves[name] = own_points or numbers[axis.findtext("SW-INSTANCE-REF")], numbers[name]
     unit = "SW-VALUE-CONT/UNIT-DISPLAY-NAME"
     return curves, {
-        name: [numbers[name][0], found[name].findtext(unit)]
-        for name in found
-        if found[name].findtext("CATEGORY") == "VALUE"
+        name: [numbers[name][0], instances[name].findtext(unit)]
+        for name in instances
+        if instances[name].findtext("CATEGORY") == "VALUE"
     }
 
 
@@ -133,9 +133,9 @@ def test_another_reader_sees_the_table_to_the_last_bit(real, tmp_path, form, poi
     assert curves.keys() == {f"{data.prefix}_{name}" for name in truth}
     for name, (x, y) in truth.items():
         read = curves[f"{data.prefix}_{name}"]
-        kept = np.isin(x, read[0])
-        assert kept.sum() == (points or len(x))
-        assert bits(read) == bits((x[kept], y[kept]))
+        rows = np.isin(x, read[0])
+        assert rows.sum() == (points or len(x))
+        assert bits(read) == bits((x[rows], y[rows]))
     car, gain = t.vehicle, 2 * t.vehicle.front.piston_area * t.vehicle.front.effective_radius
     assert scalars[f"{data.prefix}_mass"] == [car.mass, "kg"]
     assert scalars[f"{data.prefix}_C_f"] == [pytest.approx(gain), "m^3"]
@@ -191,16 +191,17 @@ ORDER = {
 
 
 def test_elements_of_a_cdf_stand_in_the_order_of_the_standard(stored):
-    root, found = cdf_of(built(stored))
+    root, instances = cdf_of(built(stored))
     for element in root.iter(*ORDER):
         places = [ORDER[element.tag].index(child.tag) for child in element]
         assert places == sorted(places), element.tag
-    kinds = {name: i.findtext("CATEGORY") for name, i in found.items()}
+    kinds = {name: i.findtext("CATEGORY") for name, i in instances.items()}
     assert [kinds[f"sedan_{n}"] for n in ("eta", "D", "g", "mass")] == [
         "COM_AXIS", "CURVE", "CURVE", "VALUE",
     ]  # fmt: skip
-    over = "SW-AXIS-CONTS/SW-AXIS-CONT/CATEGORY"
-    assert [found[f"sedan_{n}"].findtext(over) for n in "Dg"] == ["COM_AXIS", "STD_AXIS"]
+    kind_of_axis = "SW-AXIS-CONTS/SW-AXIS-CONT/CATEGORY"
+    assert instances["sedan_D"].findtext(kind_of_axis) == "COM_AXIS"
+    assert instances["sedan_g"].findtext(kind_of_axis) == "STD_AXIS"
 
 
 @pytest.mark.parametrize(

@@ -26,7 +26,7 @@ from tests.support.programs import linked, memory_of, needs_gcc
 from tests.support.tables import B_SHIFT, B_SLIP, B_Z, SHIFT, SLIP, A, Z, made_map, made_table
 
 OFF = {"ratio": 0.0, "ratio_lower": -0.1, "ratio_upper": 0.2, "change": -0.05}
-"""What a column is over the ratio."""
+"""By column: its difference from the ratio."""
 
 
 @pytest.fixture
@@ -42,10 +42,10 @@ def truth(column="ratio"):
     }
 
 
-def near(found, column="ratio"):
-    """Whether every cell stands at its place, and no other."""
+def is_near(cells, column="ratio"):
+    """Whether all cells, and no others, have their true values."""
     true = truth(column)
-    return found.keys() == true.keys() and all(abs(found[at] - true[at]) <= 1e-12 for at in true)
+    return cells.keys() == true.keys() and all(abs(cells[x] - true[x]) <= 1e-12 for x in true)
 
 
 def written(stored, form, **how):
@@ -59,12 +59,12 @@ def test_dcmReader_sees_each_map_over_its_two_distributions(mapped, tmp_path):
     thick = {name for name in made_map().names if f"sedan_{name}" not in flat}
     assert maps.keys() == flat | {f"sedan_{name}_s{i}" for name in thick for i in (1, 2, 3)}
     for column in OFF:
-        found = {}
+        by_place = {}
         for i, slip in enumerate(SLIP):
             *head, rows = maps[f"sedan_{column}_s{i + 1}"]
             assert head == ["sedan_shift", "sedan_z", 5, 4, "1"]
-            found |= {(z, x, slip): value for z, x, value in rows}
-        assert near(found, column)
+            by_place |= {(z, x, slip): value for z, x, value in rows}
+        assert is_near(by_place, column)
     for z, x, value in maps["sedan_log_slip"][-1]:
         assert value == pytest.approx(z - 3.0 - x, abs=1e-12)
 
@@ -72,39 +72,39 @@ def test_dcmReader_sees_each_map_over_its_two_distributions(mapped, tmp_path):
 def nested(element):
     """The values of a group, as deep as its groups are."""
     inner = element.findall("VG")
-    return [nested(one) for one in inner] if inner else [float(v.text) for v in element]
+    return [nested(group) for group in inner] if inner else [float(v.text) for v in element]
 
 
 def test_lxml_sees_maps_and_a_cuboid_in_a_cdf(mapped):
     root = etree.fromstring(written(mapped, "cdfx")[1])
-    found = {i.findtext("SHORT-NAME"): i for i in root.findall(f"{TREE}/SW-INSTANCE")}
+    instances = {i.findtext("SHORT-NAME"): i for i in root.findall(f"{TREE}/SW-INSTANCE")}
     axis = "SW-AXIS-CONTS/SW-AXIS-CONT/SW-INSTANCE-REF"
     value = "SW-VALUE-CONT/SW-VALUES-PHYS"
-    kinds = {name: one.findtext("CATEGORY") for name, one in found.items()}
+    kinds = {name: x.findtext("CATEGORY") for name, x in instances.items()}
     names = ("ratio", "log_slip", "level", "shift", "slip_apart")
     assert [kinds[f"sedan_{n}"] for n in names] == [
         "CUBOID", "MAP", "CURVE", "COM_AXIS", "COM_AXIS",
     ]  # fmt: skip
-    one, flat = found["sedan_change"], found["sedan_log_slip"]
+    cuboid, flat = instances["sedan_change"], instances["sedan_log_slip"]
     over = ["sedan_slip_apart", "sedan_shift", "sedan_z"]
-    assert [ref.text for ref in one.findall(axis)] == over
+    assert [ref.text for ref in cuboid.findall(axis)] == over
     assert [ref.text for ref in flat.findall(axis)] == over[1:]
-    cells = nested(one.find(value))  # a group is a row over X, the first axis
-    at = product(range(4), range(5), range(3))
-    assert near({(Z[i], SHIFT[j], SLIP[k]): cells[i][j][k] for i, j, k in at}, "change")
+    cells = nested(cuboid.find(value))  # a group is a row over X, the first axis
+    places = product(range(4), range(5), range(3))
+    assert is_near({(Z[i], SHIFT[j], SLIP[k]): cells[i][j][k] for i, j, k in places}, "change")
     true = np.array(Z)[:, None] - 3.0 - np.array(SHIFT)
     np.testing.assert_allclose(nested(flat.find(value)), true, atol=1e-12)
 
 
 def test_json_has_maps_nested_with_their_bounds(mapped):
     document = json.loads(written(mapped, "json")[1])
-    maps = {one["label"]: one for one in document["maps"]}
-    axes = {one["label"]: one["values"] for one in document["axes"]}
-    one = maps["sedan_ratio"]
-    assert [axes[axis] for axis in one["axes"]] == [[*Z], [*SHIFT], [*SLIP]]
+    maps = {x["label"]: x for x in document["maps"]}
+    axes = {x["label"]: x["values"] for x in document["axes"]}
+    ratio = maps["sedan_ratio"]
+    assert [axes[axis] for axis in ratio["axes"]] == [[*Z], [*SHIFT], [*SLIP]]
     for name, column in (("values", "ratio"), ("lower", "ratio_lower"), ("upper", "ratio_upper")):
-        flat = np.ravel(one[name]).tolist()
-        assert near(dict(zip(product(Z, SHIFT, SLIP), flat, strict=True)), column)
+        flat = np.ravel(ratio[name]).tolist()
+        assert is_near(dict(zip(product(Z, SHIFT, SLIP), flat, strict=True)), column)
     assert np.shape(maps["sedan_log_slip"]["values"]) == (4, 5)
     assert maps["sedan_change_0"]["axes"] == maps["sedan_level"]["axes"] == ["sedan_z_level"]
     assert "lower" not in maps["sedan_prior"]
@@ -112,12 +112,12 @@ def test_json_has_maps_nested_with_their_bounds(mapped):
 
 def test_rows_have_every_axis_and_the_bounds_beside_the_median(mapped):
     frame = frame_of(written(mapped, "csv")[0])
-    one = frame[frame["label"] == "sedan_ratio"]
-    axes = one["axis"] + one["axis_2"] + one["axis_3"]
+    ratio = frame[frame["label"] == "sedan_ratio"]
+    axes = ratio["axis"] + ratio["axis_2"] + ratio["axis_3"]
     assert set(axes) == {"sedan_zsedan_shiftsedan_slip_apart"}
     for cell, column in (("value", "ratio"), ("lower", "ratio_lower"), ("upper", "ratio_upper")):
-        places = zip(one["x"], one["x_2"], one["x_3"], strict=True)
-        assert near(dict(zip(places, one[cell], strict=True)), column)
+        places = zip(ratio["x"], ratio["x_2"], ratio["x_3"], strict=True)
+        assert is_near(dict(zip(places, ratio[cell], strict=True)), column)
     flat = frame[frame["label"] == "sedan_log_slip"]
     assert (len(flat), flat["x_3"].notna().sum()) == (20, 0)
     level = frame[frame["label"] == "sedan_level"]
@@ -142,29 +142,28 @@ def test_a_program_holds_what_the_a2l_says(mapped, tmp_path, how):
     theirs = a2ltool(tmp_path, FORMATS["a2l"].write(data), *update)
     assert without_epk(theirs) == ours
     module = read_a2l(content).one("MODULE")
-    found = cells(module, memory_of(elf), "sedan_ratio_lower")
-    held = as_exported(mapped.table, Precision(**how)).map
-    places = zip(held.slip, held.shift, held.z, strict=True)
-    assert found == dict(zip(places, held.ratio_lower, strict=True))
+    lower = cells(module, memory_of(elf), "sedan_ratio_lower")
+    pad_map = as_exported(mapped.table, Precision(**how)).map
+    places = zip(pad_map.slip, pad_map.shift, pad_map.z, strict=True)
+    assert lower == dict(zip(places, pad_map.ratio_lower, strict=True))
     flat = cells(module, memory_of(elf), "sedan_log_slip")
-    places = zip(held.shift, held.z, strict=True)
-    assert flat == dict(zip(places, held.log_slip, strict=True))
+    places = zip(pad_map.shift, pad_map.z, strict=True)
+    assert flat == dict(zip(places, pad_map.log_slip, strict=True))
     mass = decoded(module, memory_of(elf))["sedan_mass"][0]
     assert mass == pytest.approx(1744.0, rel=4e-5)  # 16 bits at least
     level = decoded(module, memory_of(elf))["sedan_level"]
-    exported = as_exported(mapped.table, Precision(**how)).level_map
-    assert level == exported.level.tolist()
+    assert level == as_exported(mapped.table, Precision(**how)).level_map.level.tolist()
 
 
 @pytest.mark.parametrize("form", ["dcm", "cdfx"])
 def test_one_changed_cell_is_found_and_where(mapped, tmp_path, form):
-    name, place, at = {
+    name, place, index = {
         "dcm": ("sedan_ratio_upper_s2", "(0.45, 0.007)", (2, 3, 1)),
         "cdfx": ("sedan_ratio_upper", "(0.1, 0.007, -1.0)", (0, 3, 0)),
     }[form]
-    head, name, rest = written(mapped, form)[1].decode().partition(name)
-    old = repr(float(made_map().grid("ratio_upper")[at]))
-    (tmp_path / "a").write_text(head + name + rest.replace(old, "0.25", 1))
+    head, name, end = written(mapped, form)[1].decode().partition(name)
+    old = repr(float(made_map().grid("ratio_upper")[index]))
+    (tmp_path / "a").write_text(head + name + end.replace(old, "0.25", 1))
     wrong = difference(read_back(tmp_path / "a"), mapped).wrong
     assert len(wrong) == 2
     assert wrong[1].startswith(f"{name} at {place}: 0.25,")

@@ -16,7 +16,7 @@ from calib.store.store import Store
 
 TABLES = Path(__file__).parents[2] / "tables"
 FORMS = {"DCM": FORMATS["dcm"], "CDF": FORMATS["cdfx"]}
-WRITERS = {form: of.write for form, of in FORMS.items()}
+WRITERS = {name: form.write for name, form in FORMS.items()}
 
 
 def built(stored, form, points=None):
@@ -36,15 +36,15 @@ def written(request, stored, tmp_path):
 def test_it_comes_back_to_the_last_bit(real, tmp_path, form, points):
     path, data = tmp_path / "table", built(real, form, points)
     path.write_bytes(WRITERS[form](data))
-    found = read_back(path)
-    assert (found.format, found.facts, found.unchanged) == (form, data.facts(), True)
-    assert found.content == data.content()
-    assert found.units[f"{data.prefix}_mass"] == "kg"
-    assert difference(found, real) == Difference([])
+    file = read_back(path)
+    assert (file.format, file.facts, file.unchanged) == (form, data.facts(), True)
+    assert file.content == data.content()
+    assert file.units[f"{data.prefix}_mass"] == "kg"
+    assert difference(file, real) == Difference([])
 
 
 def test_no_cut_is_taken_for_the_whole(written):
-    """Cut anywhere: refused, but for the last line's end, which nobody misses."""
+    """Wherever it is cut it is refused, except within the end of the last line."""
     whole = written.read_bytes()
     chance = random.Random(1)
     for length in [0, 1, len(whole) - 5, *(chance.randrange(len(whole) - 5) for _ in range(60))]:
@@ -64,12 +64,12 @@ def test_no_lost_line_is_overlooked(written):
         line = lines[i]
         written.write_text("".join(lines[:i] + lines[i + 1 :]))
         try:
-            found = read_back(written)
+            file = read_back(written)
         except ExchangeError:
             continue
-        if found.unchanged:
+        if file.unchanged:
             assert line.lstrip().startswith(words) or line == "\n", line
-            assert found.content == whole.content
+            assert file.content == whole.content
 
 
 WRONG = {
@@ -149,10 +149,10 @@ def saved_again(path, data, form, way, changed=lambda text: text):
 def test_what_a_tool_has_rounded_is_told_from_a_change(tmp_path, form, way):
     real = Store(TABLES).load("sedan-2up")
     data = built(real, form, 8)
-    found = saved_again(tmp_path / "a", data, form, way)
-    result = difference(found, real)
-    assert found.unchanged is None
-    assert parent(found, Store(real.path.parents[1])).id == real.id
+    file = saved_again(tmp_path / "a", data, form, way)
+    result = difference(file, real)
+    assert file.unchanged is None
+    assert parent(file, Store(real.path.parents[1])).id == real.id
     assert (result.wrong, bool(result.rounded)) == ([], True)
     values = {x.label: x.values for x in data.objects}
     changes = {"f1": 1.01, "g": 0.9, "mass": 1.002}
@@ -168,10 +168,10 @@ def test_what_a_tool_has_rounded_is_told_from_a_change(tmp_path, form, way):
 
 
 def test_the_labels_name_a_table_of_the_store(stored, store, tmp_path):
-    found = saved_again(tmp_path / "a", built(stored, "DCM"), "DCM", "single")
-    assert parent(found, Store(store)).id == stored.id
+    file = saved_again(tmp_path / "a", built(stored, "DCM"), "DCM", "single")
+    assert parent(file, Store(store)).id == stored.id
     with pytest.raises(ExchangeError):
-        difference(found, None)
+        difference(file, None)
 
 
 def test_other_files_are_refused(tmp_path):
