@@ -57,7 +57,7 @@ def sources(
     numbers, grids = numbers_of(stored, sample_time), code_grids(table, first, how)
     text, layout = header(numbers, how)
     maps, tyre = _maps(grids), as_exported(table, how).tyre
-    # the tyre curve is odd and begins at 0; C has it for thrust, too
+    # C has the tyre curve for thrust, too: mirrored at its first point, which is 0
     force, slip = ([*(-x[:0:-1]).tolist(), *x.tolist()] for x in (tyre.force, tyre.slip))
     of_maps = chain.from_iterable(values for _, values in maps.values())
     checked = [*chain.from_iterable(x.values for x in numbers), *of_maps, *force, *slip]
@@ -102,7 +102,7 @@ def axes_of(grids: Iterable[Grid]) -> list[Axis]:
 
 
 def _maps(grids: Iterable[Grid]) -> dict[str, tuple[list[Any], list[float]]]:
-    """Return the members of each `bte_map`, and its numbers in the order of `checksum` in bte.c."""
+    """Return the members of each `bte_map` in order, and its numbers in that of `checksum` in C."""
     by_column = {(grid.column, len(grid.axes)): grid for grid in grids}
     ratio, maps = [name for name, _ in PADS], dict[str, tuple[list[Any], list[float]]]()
     for name, names, count in (

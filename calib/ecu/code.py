@@ -139,7 +139,7 @@ def _write_folder(
     texts["bte_vectors.h"] = _vectors(as_exported(table, how), sample_time, how, car)
     files = {name: text.encode() for name, text in texts.items()}
     exported = build(stored, how.points, how.bits, first=first)
-    version = replace(exported.scalars[0], fixed=None)
+    version = replace(exported.scalars[0], fixed=None)  # "version", the first scalar
     common = replace(exported, curves=(), scalars=(version,), single=how.floating == 32)
     for form in _TOOLS:
         grids = code_grids(table, first, how, FORMATS[form].most_axes)
@@ -168,11 +168,11 @@ def _vectors(table: Table, sample_time: float, how: Precision, car: str) -> str:
     samples[log.time > log.time[-1] - 0.5, FL] *= 0.5
     samples[-5:, A_X] = 99.0
     samples = how.computed(samples)
-    every, bits = samples_of_block(sample_time), how.floating
-    answers = answered(table, sample_time, samples)[every - 1 :: every]
+    size, bits = samples_of_block(sample_time), how.floating  # samples of a block
+    answers = answered(table, sample_time, samples)[size - 1 :: size]
     units = {name: LOGGED[name].si if name in LOGGED else x.unit for name, x in CHANNELS.items()}
     facts = {
-        "car": car, "count": len(samples), "every": every,
+        "car": car, "count": len(samples), "every": size,
         "tolerance": 1e-9 if bits == 64 else 1e-4,
         "columns": [f"{name} [{unit}]" for name, unit in units.items()],
         "needed": sum(name in LOGGED and LOGGED[name].required for name in CHANNELS),

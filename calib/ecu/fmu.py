@@ -46,9 +46,9 @@ _CAR_REASONS = (  # values of ``reason`` in an FMU of the car
 def _variables(content: Content) -> Iterator[Variable]:
     """Return the variables of the FMU, in the order of their references."""
     for causality in ("input", "parameter", "output", "independent"):
-        has_bounds = content == "estimator" and causality == "output"
+        ends = _BOUNDS if content == "estimator" and causality == "output" else {"": ""}
         alike = [x for x in VARIABLES.values() if causality in getattr(x, content)]
-        for x, (end, words) in product(alike, (_BOUNDS if has_bounds else {"": ""}).items()):
+        for x, (end, words) in product(alike, ends.items()):
             yield x._replace(name=x.name + end, meaning=x.meaning + words)
     reasons = "; ".join(f"{int(reason)} {reason.words}" for reason in Reason)
     yield REASON._replace(meaning=reasons if content == "estimator" else _CAR_REASONS)
@@ -92,7 +92,7 @@ def write_fmu(
     glue = "fmi.c", f"fmi{version}.h", f"{content}.h"
     variables, starts = [*_variables(content)], _starts(stored.table, content)
     facts = {
-        "version": version, "of": content, "name": name, "data": f"{CAR}_{first}",
+        "version": version, "content": content, "name": name, "data": f"{CAR}_{first}",
         "step": step, "program": PROGRAM,
         "car": printable(car), "table": f"{stored.id}, {printable(stored.state.description)}",
         "compiled": [file for file in (*code, *glue) if file.endswith(".c")],

@@ -75,7 +75,7 @@ class Native:
 def coded(table: Table, how: Precision) -> Coded:
     """Return a function that runs the exported code of a table on logs of any rate and mass.
 
-    Its answers replace those of ``ecu`` in an estimate; C has no change since the ramp. Raises
+    Its answers replace those of ``ecu`` in an estimate, except `pad_change`, which C lacks. Raises
     ProgramError without a compiler, StoreError for a table that has no code.
     """
     compiler()

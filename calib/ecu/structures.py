@@ -76,7 +76,7 @@ def header(numbers: Iterable[Number], precision: Precision) -> tuple[str, str]:
         "filters": _declared(State()),
         "block": [name for name in Sample._fields if name not in _NOT_IN_C["Sample"]],
     }  # fmt: skip
-    text = source("bte.h", layout="LAYOUT", **facts)
+    text = source("bte.h", layout="LAYOUT", **facts)  # the checksum then replaces this word
     layout = f"0x{zlib.crc32(text.encode()):08X}U"
     return text.replace("BTE_LAYOUT LAYOUT", f"BTE_LAYOUT {layout}"), layout
 
@@ -92,8 +92,7 @@ def _declared(part: Any) -> Iterator[tuple[str, str, str]]:
 def members_of(part: Any) -> list[tuple[str, Any]]:
     """Return the members of a part of the state with their values, booleans last, as in C."""
     hidden = _NOT_IN_C.get(type(part).__name__, [])
-    names = [x.name for x in fields(part) if x.name not in hidden]
-    members = [(name, getattr(part, name)) for name in names]
+    members = [(x.name, getattr(part, x.name)) for x in fields(part) if x.name not in hidden]
     return sorted(members, key=lambda member: isinstance(member[1], bool))
 
 
@@ -101,7 +100,7 @@ def members_of(part: Any) -> list[tuple[str, Any]]:
 def comments(class_name: str) -> dict[str, str]:
     """Return the comment behind each member of a class, `Constants` or a part of the state."""
     text = inspect.getsource({**vars(constants), **vars(state)}[class_name])
-    row = r"^    (\w+): [^#\n]*(?:# (.*(?:\n    # .*)*))?$"
+    row = r"^    (\w+): [^#\n]*(?:# (.*(?:\n    # .*)*))?$"  # a name, and its lines of comment
     return {name: x.replace("\n    #", "") for name, x in re.findall(row, text, re.MULTILINE)}
 
 

@@ -35,7 +35,10 @@ _TYPES = {
 """Types in C by those of Python. Other classes are structures of equations.py."""
 _NOT_INLINED = {"update", "update_zero", "reset_speed", "share_of"}
 """Functions that would cost too much flash if the compiler copied them into each caller."""
-_VIEW, _VIEW_OF = "BlockState", "block_state"  # a tuple that C does not have, and its maker
+_Definition = ast.ClassDef | ast.FunctionDef
+_VIEW, _VIEW_MAKER = "BlockState", "block_state"
+"""A NamedTuple of parts of the state, and the function that makes it. C has neither: it reads the
+parts themselves."""
 _SPELLINGS = {
     r"(?<![\w.])(\d+\.\d+|\d+e-\d+)\b": r"R(\1)",
     r"\bTrue\b": "true", r"\bFalse\b": "false", r"\bReason\.": "(bte_real)BTE_",
@@ -50,15 +53,16 @@ _SPELLINGS = {
 
 def translated(source: str) -> str:
     """Return the functions and NamedTuples of a module in C, in their order."""
-    kinds = ast.ClassDef | ast.FunctionDef
-    definitions = {x.name: x for x in ast.parse(source).body if isinstance(x, kinds)}
-    parts = _parts(definitions.pop(_VIEW, ast.Pass()), definitions.pop(_VIEW_OF, ast.Pass()))
+    definitions = {x.name: x for x in ast.parse(source).body if isinstance(x, _Definition)}
+    parts = _parts_of_view(definitions)
     out, depth = list[str](), 0
     for line in chain.from_iterable(_definition(x, parts) for x in definitions.values()):
-        depth -= line.startswith("}")
+        if line.startswith("}"):
+            depth -= 1
         margin = 4 * depth * " "
         out += wrap(line, 100, initial_indent=margin, subsequent_indent=margin + 8 * " ") or [""]
-        depth += line.endswith("{")
+        if line.endswith("{"):
+            depth += 1
     return "\n".join(out).strip()
 
 
@@ -67,16 +71,19 @@ def structure(name: str) -> str:
     return "bte" + re.sub("([A-Z])", r"_\1", name).lower()
 
 
-def _parts(view: ast.AST, maker: ast.AST) -> dict[str, str]:
-    """Return the part of the state in C by the field of a ``view`` that its ``maker`` makes."""
+def _parts_of_view(definitions: dict[str, _Definition]) -> dict[str, str]:
+    """Remove the view, and return by its fields the parts of the state in C that it is made of."""
+    if _VIEW not in definitions:
+        return {}
+    view, maker = definitions.pop(_VIEW), definitions.pop(_VIEW_MAKER)
     fields = [ast.unparse(x.target) for x in ast.walk(view) if isinstance(x, ast.AnnAssign)]
     returned = [x.value for x in ast.walk(maker) if isinstance(x, ast.Return)]
     parts = [part for x in returned if isinstance(x, ast.Call) for part in x.args]
     return dict(zip(fields, map(_in_c, parts), strict=True))
 
 
-def _definition(node: ast.ClassDef | ast.FunctionDef, parts: dict[str, str]) -> Iterator[str]:
-    """Write a NamedTuple or a function, without margins; ``parts`` as `_parts`."""
+def _definition(node: _Definition, parts: dict[str, str]) -> Iterator[str]:
+    """Write a NamedTuple or a function, without margins; ``parts`` as `_parts_of_view`."""
     if isinstance(node, ast.ClassDef):
         fields = [ast.unparse(x.target) for x in node.body if isinstance(x, ast.AnnAssign)]
         yield from ("", "typedef struct {", f"bte_real {', '.join(fields)};")
@@ -166,7 +173,7 @@ class _Reshaped(ast.NodeTransformer):
         return ast.Name("({} ? {} : {})".format(*parts))
 
     def visit_Call(self, node: ast.Call) -> ast.expr:
-        match node:
+        match node:  # min(max(x, low), high)
             case ast.Call(ast.Name("min"), [ast.Call(ast.Name("max"), [x, low]), high]):
                 return self.visit_Call(ast.Call(ast.Name("clip"), [x, low, high], []))
         if ast.unparse(node.func) == "np.where":

@@ -20,7 +20,7 @@ validate_fmu = pytest.importorskip("fmpy.validation").validate_fmu
 FMICallException = pytest.importorskip("fmpy.fmi1").FMICallException
 
 PATH = os.pathsep.join((str(Path(sys.executable).parent), os.environ.get("PATH", "")))
-"""With the cmake that may come with FMPy."""
+"""The PATH with the cmake that FMPy may have brought."""
 STEP, ERROR = 0.005, 3  # [s]; fmi2Error and fmi3Error
 TIME = STEP * np.arange(1200)
 RAMP, STOP = 6e5 * np.maximum(TIME - 1.0, 0.0), 25e5 * np.clip((TIME - 2.0) / 0.1, 0.0, 1.0)
@@ -31,7 +31,7 @@ INPUTS, REALS, REASON = list(range(11)), list(range(11, 38)), 39  # 38 is the ti
 
 
 def written(path, stored, version, model):
-    """An FMU and its description."""
+    """Write an FMU; return its path and description."""
     write_fmu(stored, path, Precision(), STEP, version, model)
     return path, fmpy.read_model_description(path)
 
@@ -39,7 +39,7 @@ def written(path, stored, version, model):
 @pytest.fixture(scope="module")
 def fmus(tmp_path_factory):
     """The estimator in FMI 3 and the car in FMI 2, as FMPy compiled and unpacked them in a bare
-    folder; what is of a version in their sources is of no model."""
+    folder. No part of their sources depends on version and model at once: two FMUs are enough."""
     if any(shutil.which(name, path=PATH) is None for name in ("cmake", "cc")):
         pytest.skip("missing here: cmake or cc")
     folder, fmus = tmp_path_factory.mktemp("bare"), {}
@@ -53,16 +53,16 @@ def fmus(tmp_path_factory):
 
 
 def run(fmu, inputs, **parameters):
-    """What an FMU tells at its start, and after a step with each row of the inputs, by name."""
+    """Return the outputs of an FMU at its start and after a step with each row of the inputs."""
     unpacked, parsed = fmu
     time = STEP * np.arange(len(inputs["p_mc"]))
-    given = np.rec.fromarrays([time, *inputs.values()], names=["time", *inputs])
+    rows = np.rec.fromarrays([time, *inputs.values()], names=["time", *inputs])
     how = {"model_description": parsed, "stop_time": STEP * len(time), "output_interval": STEP}
-    return fmpy.simulate_fmu(unpacked, input=given, start_values=parameters, **how)
+    return fmpy.simulate_fmu(unpacked, input=rows, start_values=parameters, **how)
 
 
 def ready(fmu):
-    """An instance that is ready to step, with the names of FMI 3."""
+    """Return an instance that can step; its methods have the names of FMI 3."""
     unpacked, parsed = fmu
     instance = fmpy.instantiate_fmu(unpacked, parsed, "CoSimulation")
     if parsed.fmiVersion == "2.0":
@@ -138,17 +138,17 @@ def test_a_long_step_is_several_with_the_inputs_held_and_instances_do_not_share(
 def test_other_steps_and_unknown_references_are_refused_and_change_nothing(fmus):
     x = ready(fmus["estimator"])
     x.setFloat64(INPUTS, ROLLING)
-    before, last = x.getFloat64(INPUTS + REALS), 2**32 - 1
+    numbers, last = x.getFloat64(INPUTS + REALS), 2**32 - 1
     lengths = (0.0, -STEP, 0.5 * STEP, 1.5 * STEP, 1e12, np.nan, np.inf)
     calls = [(x.doStep, 0.0, length) for length in lengths]
-    calls += [(x.getFloat64, [0, at]) for at in (REASON, REASON + 1, last)]
-    calls += [(x.setFloat64, [0, at], [1.0, 1.0]) for at in (*range(REALS[0], REASON + 2), last)]
+    calls += [(x.getFloat64, [0, k]) for k in (REASON, REASON + 1, last)]
+    calls += [(x.setFloat64, [0, k], [1.0, 1.0]) for k in (*range(REALS[0], REASON + 2), last)]
     calls += [(x.getInt32, [0]), (x.setInt32, [REASON], [0])]
     for function, *arguments in calls:
         with pytest.raises(FMICallException) as caught:
             function(*arguments)
         assert caught.value.status == ERROR
-        assert x.getFloat64(INPUTS + REALS) == before
+        assert x.getFloat64(INPUTS + REALS) == numbers
     assert x.getInt32([REASON]) == [1]
 
 

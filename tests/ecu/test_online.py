@@ -44,8 +44,8 @@ RELEASED = {Reason.VALID, Reason.NOT_BRAKED}
 
 
 @pytest.fixture(scope="module")
-def both(fitted):
-    """Runs samples in Python and in C, which must agree, and returns the answers."""
+def agreed(fitted):
+    """Return a function that runs samples in Python and in C; both must give the same answers."""
     native = {step: Native(fitted, step, Precision()) for step in (STEP, BLOCK)}
 
     def run(samples, step=STEP):
@@ -62,9 +62,10 @@ def both(fitted):
 def wet():
     """A stop with a gap of 0.3 s."""
     log = noisy(stop(WET), 5)
-    kept = np.abs(log.time - log.time[log.time.size // 2]) > 0.15
-    read, true = ({k: x[kept] for k, x in of.items()} for of in (log.channels, log.truth))
-    return replace(log, channels=read, truth=true)
+    is_kept = np.abs(log.time - log.time[log.time.size // 2]) > 0.15
+    channels = {name: x[is_kept] for name, x in log.channels.items()}
+    truth = {name: x[is_kept] for name, x in log.truth.items()}
+    return replace(log, channels=channels, truth=truth)
 
 
 @pytest.fixture(scope="module")
@@ -77,9 +78,9 @@ def drive_on():
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_c_equals_python_while_sensors_fail_at_random(seed, drive_on, both):
-    both(failing(drive_on, seed))
-    both(failing(drive_on[::10], seed), BLOCK)  # where no block hides a sample
+def test_c_equals_python_while_sensors_fail_at_random(seed, drive_on, agreed):
+    agreed(failing(drive_on, seed))
+    agreed(failing(drive_on[::10], seed), BLOCK)  # where no block hides a sample
 
 
 @pytest.mark.parametrize("seed", [None, 0, 1])
@@ -100,17 +101,17 @@ ROWS = {
     "calls that come late or twice": np.delete(np.sort(np.r_[0:2001, 36:2001:37]), np.s_[29::30]),
     "a long coast": np.r_[np.tile(np.r_[0:580], 10), 0:2001],
 }
-"""Samples of `drive_on` in their order; a case without a row here has all of them once."""
+"""By case: samples of `drive_on` in their order. The other cases have all samples once."""
 FAILS = [
     (-1, 1, slice(6), np.nan), (1.999, 2.001, FL, 0), (3.4, 3.8, OMEGA, np.nan),
     (3.999, 4.001, A_X, -29.9), (4.1, 4.3, A_X, np.nan), (4.3, 4.5, A_X, 99.0),
     (4.699, 4.701, OMEGA, lambda x: 2 * x), (8.0, 8.3, P_MC, -2e6), (8.3, 8.6, P_MC, np.nan),
     (8.6, 8.8, FL, np.inf), (8.8, 9.0, FL, -np.inf),
 ]  # fmt: skip
-"""Readings of channels between two times [s] that no car has, or that are no number."""
+"""Between two times [s], readings of channels that no car has, or that are no number."""
 LIFE = {
     "two stops": ([], [(5.2, 7.4, {Reason.NOT_BRAKED})]),
-    **{what: ([], []) for what in ROWS},
+    **{case: ([], []) for case in ROWS},
     "nothing at first": ([(-1, 1, OMEGA, 0)], [(0.999, 1.001, FAULT)]),
     "sensors fail": (FAILS, [(begin, end, FAULT) for begin, end, *_ in FAILS]),
     "a_x is frozen while the brake is released": (
@@ -142,18 +143,18 @@ LIFE = {
         [(-1, 4.001, OMEGA, 0), (4, 99, OMEGA, -5), (2, 99, A_X, -1)], [(3.3, 5, {Reason.SLOW})],
     ),
 }  # fmt: skip
-"""Such readings, and the reasons between two times."""
+"""By case: such readings, and the reasons expected between two times [s]."""
 SPOILT = {*list(LIFE)[-9:]} - {x for x in LIFE if x.startswith("a motor")}
-"""Of which nothing is known at the end of the first stop."""
+"""Cases whose pads are not known at the end of the first stop."""
 
 
-@pytest.mark.parametrize("what", LIFE)
-def test_whatever_happens_a_valid_answer_has_the_pads_in_its_bounds(what, drive_on, both):
-    (readings, expected), rows, x = LIFE[what], ROWS.get(what, slice(None)), drive_on.copy()
+@pytest.mark.parametrize("case", LIFE)
+def test_whatever_happens_a_valid_answer_has_the_pads_in_its_bounds(case, drive_on, agreed):
+    (readings, expected), rows, x = LIFE[case], ROWS.get(case, slice(None)), drive_on.copy()
     for begin, end, channels, value in readings:
-        at = (begin < TIME) & (end > TIME)
-        x[at, channels] = value(x[at, channels]) if callable(value) else value
-    time, x, answers = TIME[rows], x[rows], both(x[rows])
+        during = (begin < TIME) & (end > TIME)
+        x[during, channels] = value(x[during, channels]) if callable(value) else value
+    time, x, answers = TIME[rows], x[rows], agreed(x[rows])
     for begin, end, reasons in expected:
         within = answers[(time > begin) & (time < end)]
         assert within.size
@@ -165,7 +166,7 @@ def test_whatever_happens_a_valid_answer_has_the_pads_in_its_bounds(what, drive_
         for place in (FRONT, REAR):
             inside = (valid[:, place + 1] < true) & (valid[:, place + 2] > true)
             assert not inside.size or np.mean(inside) > 0.95
-        if what in SPOILT:
+        if case in SPOILT:
             break
         i = np.argmax(time > last - 0.1 - 0.5 * (last > 9.0))
         assert answers[i, REASON] == Reason.VALID
@@ -175,10 +176,10 @@ def test_whatever_happens_a_valid_answer_has_the_pads_in_its_bounds(what, drive_
 
 
 @pytest.mark.parametrize("step", [-1.0, 0.5, 3.0])
-def test_an_a_x_that_jumps_in_a_stop_is_not_believed(step, drive_on, both):
+def test_an_a_x_that_jumps_in_a_stop_is_not_believed(step, drive_on, agreed):
     x = drive_on.copy()
     x[(TIME > 4.0) & (TIME < 4.7), A_X] += step
-    answers = both(x)
+    answers = agreed(x)
     assert {*answers[(TIME > 4.5) & (TIME < 4.7), REASON]} == IMPLAUSIBLE
     later = answers[(TIME > 7.9) & (TIME < 9.9)]
     assert {*later[:, REASON]} == {Reason.VALID}
@@ -186,62 +187,60 @@ def test_an_a_x_that_jumps_in_a_stop_is_not_believed(step, drive_on, both):
 
 
 @pytest.mark.parametrize("step", [-1.0, -2.0])
-def test_a_zero_of_a_x_that_moves_as_a_motor_lets_go_is_not_believed_in_the_next_stop(step, both):
+def test_a_zero_of_a_x_that_moves_as_a_motor_lets_go_is_not_believed_in_the_next_stop(step, agreed):
     slows = 0.1 * CAR.weight * CAR.front.rolling_radius
     car = replace(REAL, motor=lambda t: (-slows * (2.8 < t < 4.0), 0.0))
     run = drive(car, lambda t: 20e5 * (3.0 < t < 5.0) + 14e5 * (t > 7.5), 36.0, duration=10.0)
     log = noisy(as_log(run), 3)
     x = samples_of(log)
     x[log.time > 4.0, A_X] += step
-    answers = both(x)[log.time > 7.5]
+    answers = agreed(x)[log.time > 7.5]
     answers = answers[answers[:, REASON] == Reason.VALID]
     for place in (FRONT, REAR):
         assert np.all((answers[:, place + 1] < 0.38) & (answers[:, place + 2] > 0.38))
 
 
-def test_a_reset_while_braking_has_wider_bounds(drive_on, both):
-    known, reset = (both(drive_on[(start < TIME) & (TIME < 4.9)])[-1] for start in (-1.0, 4.0))
-    assert reset[RATIO + 2] / reset[RATIO + 1] > known[RATIO + 2] / known[RATIO + 1]
+def test_a_reset_while_braking_has_wider_bounds(drive_on, agreed):
+    usual, reset = (agreed(drive_on[(start < TIME) & (TIME < 4.9)])[-1] for start in (-1.0, 4.0))
+    assert reset[RATIO + 2] / reset[RATIO + 1] > usual[RATIO + 2] / usual[RATIO + 1]
 
 
-def test_from_gas_to_brake_the_zeros_are_those_of_the_last_coasting(both):
+def test_from_gas_to_brake_the_zeros_are_those_of_the_last_coasting(agreed):
     """A coast, 0.04 g of thrust on the front axle until the brake is applied, and a stop."""
     thrust = 0.04 * CAR.weight * CAR.front.rolling_radius
     car = replace(REAL, motor=lambda t: (thrust * (1.5 < t < 4.0), 0.0))
     run = drive(car, lambda t: 20e5 * np.clip((t - 4.05) / 0.2, 0.0, 1.0), 28.0, duration=6.5)
     log = noisy(as_log(run), 4)
     samples = samples_of(without(log, "T_drive_f", "T_drive_r"))
-    unknown = both(samples)[-1]
+    unknown = agreed(samples)[-1]
     samples[(log.time > 1.4) & (log.time < 4.0), DRIVEN] = 1.0
-    for known in (both(samples)[-1], both(samples_of(log))[-1]):  # the pedal, the torque
+    for answer in (agreed(samples)[-1], agreed(samples_of(log))[-1]):  # the pedal, the torque
         for place in (FRONT, REAR):
-            assert known[place + 1] < 0.38 < known[place + 2]
-        assert known[LEVEL] == pytest.approx(1.0, abs=0.02)
+            assert answer[place + 1] < 0.38 < answer[place + 2]
+        assert answer[LEVEL] == pytest.approx(1.0, abs=0.02)
     assert unknown[LEVEL] > 1.04  # the thrust is taken for a zero of a_x
 
 
 def test_other_data_are_taken_at_rest_and_what_is_of_the_sensors_lasts(fitted, drive_on):
     code = Native(fitted, STEP, Precision()).library
-    state, car = (
-        create_string_buffer(4096),
-        c_void_p(addressof(c_char.in_dll(code, "bte_car_here"))),
-    )
+    state = create_string_buffer(4096)
+    car = c_void_p(addressof(c_char.in_dll(code, "bte_car_here")))
     assert code.bte_init(state, car) == READY
     fresh = state.raw
     for row in drive_on[TIME < 4.9]:
         code.bte_step(state, (c_double * len(row))(*row))
-    left = state.raw
+    last = state.raw
     assert not code.bte_exchange(state, car)
-    assert state.raw == left
+    assert state.raw == last
     for _ in range(40):
         x = np.zeros(len(CHANNELS))
         code.bte_step(state, (c_double * len(x))(*x))
     assert code.bte_exchange(state, car)
-    ours, theirs, zeros = (np.frombuffer(x, count=215) for x in (fresh, state.raw, left))
+    ours, theirs, zeros = (np.frombuffer(x, count=215) for x in (fresh, state.raw, last))
     (places,) = np.nonzero(ours != theirs)
     first = 14 + len(CHANNELS) + 3 * len(ANSWERS)  # of the filters: zeros of demand and of eta
     assert {*range(first, first + 4)} <= {*places.tolist()}
-    assert places.size <= 7  # and the lag, its variance, the seal
+    assert places.size <= 7  # and of the lag, its variance, the seal
     assert theirs[first] == zeros[first]
     for damage in (None, 8 * first, 4):  # none, in a zero, in the layout
         bits = bytearray(state.raw)
@@ -259,15 +258,15 @@ def test_what_has_no_counterpart_in_c_is_refused(line):
         translated(f"def f(x: float) -> float:\n    'About.'\n    {line}\n    return x\n")
 
 
-@pytest.mark.parametrize(("how", "near"), [(Precision(), 1e-9), (Precision(8, 16), 0.05)])
-def test_the_verdict_is_that_of_the_code(fitted, wet, how, near):
-    own = validate_one(fitted, wet, None, DEFAULTS)
-    code = validate_one(fitted, wet, None, DEFAULTS, coded=coded(fitted, how))
-    assert code.word == own.word
+@pytest.mark.parametrize(("how", "tolerance"), [(Precision(), 1e-9), (Precision(8, 16), 0.05)])
+def test_the_verdict_is_that_of_the_code(fitted, wet, how, tolerance):
+    python = validate_one(fitted, wet, None, DEFAULTS)
+    c = validate_one(fitted, wet, None, DEFAULTS, coded=coded(fitted, how))
+    assert c.word == python.word
     for name in ("ecu_pad_friction_f", "ecu_pad_friction_r", "ecu_valid_share"):
-        assert code.figures[name] == pytest.approx(own.figures[name], rel=near)
+        assert c.figures[name] == pytest.approx(python.figures[name], rel=tolerance)
     if how == Precision():
-        answers, expected = code.estimate.ecu, own.estimate.ecu
+        answers, expected = c.estimate.ecu, python.estimate.ecu
         assert np.array_equal(answers.step.reason, expected.step.reason)
         assert np.array(answers.torque_r) == pytest.approx(np.array(expected.torque_r), rel=1e-9)
 

@@ -58,7 +58,7 @@ static bte_real logarithm(bte_real x) {
 /* An interval inside this file: an array of a median, its lower and its upper bound. */
 enum { MEDIAN, LOWER, UPPER, ENDS };
 
-/* Add `by` to an interval, and the square of `more_...` to that of the distance of the bound. */
+/* Add `by` to an interval; the distance d of a bound from the median becomes sqrt(d^2 + more^2). */
 static void widen(bte_real x[], bte_real by, bte_real more_lower, bte_real more_upper) {
     const bte_real below = x[LOWER] - x[MEDIAN], above = x[UPPER] - x[MEDIAN];
     x[MEDIAN] += by;
@@ -134,8 +134,8 @@ static void learn_zeros(bte_state *state, const bte_block *x, bool counts) {
     }
 }
 
-/* Read ln of the ratio with its bounds, and widen them by the errors of the point: by the slope of
- * the map over a step of the error, or of a cell if that is smaller. */
+/* Read ln of the ratio with its bounds, and widen them by the errors of the point. The slope of the
+ * map along an axis is that over a step to each side: an error, or a cell if that is smaller. */
 static void read_ratio(const bte_car *car, const bte_real point[], const bte_real error[],
                        bte_real ratio[]) {
     const bte_axis *shifts = &car->pads.axis[BTE_SHIFT];
@@ -162,15 +162,15 @@ static void blend(bte_real x[], const bte_real y[], bte_real share) {
     }
 }
 
-/* Return the held ratio, which is ln of that of the pads, with bounds that a variance widens. */
+/* Return ln of the held ratio of the pads, with bounds that a variance widens. */
 static void held_ratio(const bte_state *state, bte_real variance, bte_real ratio[]) {
     const bte_real more = Z95 * MATH(sqrt)(variance);
     (void)memcpy(ratio, state->ratio, sizeof state->ratio);
     widen(ratio, R(0.0), more, more);
 }
 
-/* Blend a reading of the ratio into the held one by its width, and return the result in it. A stop
- * that `is_new` replaces the held ratio; otherwise the reading counts where it `adds`. */
+/* Blend a reading of the ratio into the held ratio, the more the narrower it is. The result replaces
+ * the reading. A new stop replaces the held ratio; otherwise the reading counts where it `adds`. */
 static void best_ratio(bte_state *state, bte_real ratio[], bte_real level, bool is_new, bool adds) {
     BTE_CAL bte_numbers *c = state->car->numbers;
     bte_filters *s = &state->filters;
@@ -185,7 +185,7 @@ static void best_ratio(bte_state *state, bte_real ratio[], bte_real level, bool 
     held_ratio(state, reset_held(c, s, level, share), ratio);
 }
 
-/* Compute y = by exp(ln), an answer of an interval. */
+/* Compute y = by exp(ln), for the median and its bounds. */
 static void scale(bte_interval *y, bte_real by, const bte_real ln[]) {
     bte_real *ends = (bte_real *)y;
     for (unsigned k = 0; k < ENDS; k++) {
@@ -209,6 +209,7 @@ static void answer_pads(bte_state *s, const bte_real level[], const bte_real rat
         front[k] = level[k];
         rear[k] = level[k];
     }
+    /* the friction of the front pads rises with the ratio, that of the rear pads falls */
     widen(front, more_f[MEDIAN], more_f[MEDIAN] - more_f[LOWER], more_f[MEDIAN] - more_f[UPPER]);
     widen(rear, more_r[MEDIAN], more_r[MEDIAN] - more_r[UPPER], more_r[MEDIAN] - more_r[LOWER]);
     scale(&y->pad_level, R(1.0), level);
@@ -290,8 +291,9 @@ static void take_block(bte_state *state, const bte_block *x) {
     const bool readable = !is_new && of_map && z >= c->least_z;
     const bte_real share = readable ? share_of(c, narrowed, R(1.0)) : R(0.0);
     blend(ratio, prior, R(1.0) - share);
-    const bte_real of_prior = R(1.0) + share * (narrowed - R(1.0));
-    widen(ratio, square(of_prior) * (c->ramp_ratio - prior[MEDIAN]), R(0.0), R(0.0));
+    /* width over that of the prior; its square is the prior's share of the variance */
+    const bte_real width = R(1.0) + share * (narrowed - R(1.0));
+    widen(ratio, square(width) * (c->ramp_ratio - prior[MEDIAN]), R(0.0), R(0.0));
     best_ratio(state, ratio, w.pads, is_new, counts && x->pressure > c->bite);
     answer_pads(state, level, ratio);
     const bte_real median = state->answers.pad_level.median;
@@ -424,6 +426,7 @@ static void block_ends(bte_state *s) {
         load[a] += c->drag_lift[a] * body;
         driven[a] = slip_at(car, tyre + other[a], load[a]) - slip_at(car, tyre, alone);
     }
+    /* eta of the brakes alone: omega_r/(1 - driven_r) over omega_f/(1 - driven_f) */
     const bte_real eta_less_1 = front > R(0.0) ? mean.apart / front : R(0.0);
     const bte_real eta = eta_less_1 + driven[BTE_REAR] - driven[BTE_FRONT] * (R(1.0) + eta_less_1);
     const bte_real rim = c->rolling_radius[BTE_FRONT] * front / (R(1.0) - driven[BTE_FRONT]);
@@ -459,7 +462,7 @@ static void begin(bte_state *s, const bte_car *car) {
 /* Whether data fit this code and this compiler. */
 static bool is_taken(const bte_car *car) {
     return car->layout == BTE_LAYOUT && car->size == sizeof(bte_car) + sizeof(bte_numbers)
-           && car->waiting - 1U < 3U;
+           && car->waiting >= 1U && car->waiting <= 3U;
 }
 
 /* Begin with the data of a car, but keep the zeros and the lag, if that is allowed. */

@@ -138,7 +138,8 @@ typedef struct {
     bte_filters filters;
     const bte_car *car;
     bte_real ratio[3]; /* ln of the held ratio of the pads, with its bounds */
-    bool started, block_full, faulty, failed, driven;
+    bool started, block_full;    /* whether a sample, a block was taken */
+    bool faulty, failed, driven; /* a sensor failed in the last block, in this one; accelerated */
     uint16_t count, checks;
     uint32_t seal, waits;
     bte_rolling waiting[3];

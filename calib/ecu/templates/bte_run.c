@@ -120,7 +120,8 @@ static int run_file(const char *path) {
         if (!(steps > 0.75 && (rows > 1U || steps < 1.25))) {
             return refuse(path, "its rate is not the `sample_time` of the code", "");
         }
-        for (double k = 1.0; k < fmin(floor(steps + 0.5), 10.0 / step); k += 1.0) {
+        const double most = 10.0 / step; /* of a longer gap only 10 s are run */
+        for (double k = 1.0; k < fmin(floor(steps + 0.5), most); k += 1.0) {
             (void)bte_step(&state, &gap);
         }
         for (int i = 0; i < BTE_INPUTS; i++) {

@@ -3,9 +3,12 @@
  * Forces are over the weight of the car. Newton's method finds the slips of the axles; z, speed and
  * loads follow in the same iterations.
  */
-static const double G = 9.80665, EDGE = 0.999, STOPS = 1.0, LEAST = 0.01;
-/* [m/s^2]; share of the rising branch of the tyre; least speed [m/s]; least load */
-enum { DRIVES, STANDS, LIFTS, SLIDES, ITERATIONS = 40 }; /* reasons; a number */
+static const double G = 9.80665;  /* [m/s^2] */
+static const double EDGE = 0.999; /* share of the rising branch of the tyre formula that is used */
+static const double STOPS = 1.0;  /* speed at which the car stops [m/s] */
+static const double LEAST = 0.01; /* load of an axle over the weight at which it lifts */
+enum { DRIVES, STANDS, LIFTS, SLIDES }; /* reasons */
+enum { ITERATIONS = 40 };
 
 typedef struct {
     double v, z, slip[BTE_AXLES], omega[BTE_AXLES];
@@ -26,7 +29,7 @@ static void solve(model *m, double x[], double dt) {
         for (int a = 0; a < BTE_AXLES; a++) {
             const double share = car->load[a] + car->height[a] * m->z + car->drag_lift[a] * drag;
             const double load = fmax(share, LEAST);
-            /* tyre: B x of its formula, and straight on from the end of its rising branch */
+            /* tyre: peak sin(C atan(B x)), and straight on from the edge; rise: d force/d slip */
             const double by_load = pow(2.0 * load, x[TYRE_LOAD_EXPONENT]);
             const double stiffness = load * x[TYRE_STIFFNESS] / by_load, peak = load * x[TYRE_PEAK];
             const double bx = stiffness / (shape * peak) * m->slip[a];
@@ -41,10 +44,14 @@ static void solve(model *m, double x[], double dt) {
             const double demanded = turning * spin + rolling * load
                                     + (brakes - x[T_DRIVE_F + a]) * car->drive[a]; /* (1) */
             const double by_spin = dt > 0.0 ? turning * v / (radius * dt) : 0.0;
-            const double step = (demanded - force) / (rise + by_spin);
+            const double step = (demanded - force) / (rise + by_spin); /* of Newton's method */
             m->omega[a] = omega;
             m->slip[a] += step;
-            x[REASON] = share < LEAST ? LIFTS : fabs(bx) > edge ? SLIDES : x[REASON];
+            if (share < LEAST) {
+                x[REASON] = LIFTS;
+            } else if (fabs(bx) > edge) {
+                x[REASON] = SLIDES;
+            }
             sum += force + rise * step;
         }
         m->z = sum; /* (5) */

@@ -1,6 +1,6 @@
 /* An FMU for co-simulation in FMI {{ version }}, with the headers of the tool that compiles it.
  *
- * {{ of }}.h has the state of the model, and model_step(state, numbers, first), which writes
+ * {{ content }}.h has the state of the model, and model_step(state, numbers, first), which writes
  * the outputs after a sample time, or the first ones. fmi{{ version }}.h has what this version alone has.
  */
 #include <fmi{{ version }}Functions.h>
@@ -16,7 +16,7 @@ extern const bte_car {{ data }};
 /* References: the GIVEN inputs and parameters, the outputs, the time [s], the reason. */
 enum { {{ references }}, COUNT, GIVEN = {{ given }} };
 static const double first_numbers[COUNT] = { {{- first -}} };
-#include "{{ of }}.h"
+#include "{{ content }}.h"
 
 typedef struct {
     double numbers[COUNT];
@@ -63,7 +63,8 @@ static const char *advance(instance *x, double time, double length) {
 #define ONLY (void *c) /* parameters: the instance, alone or with a value */
 #define WITH(type) (void *c, type value)
 
-/* A function of SOME variables. It runs `copy` for each, if `known` holds for all references. */
+/* A function of SOME variables, by `count` references `at`. `copy` runs for each of them, if `known`
+ * holds for all. */
 #define SOME void *c, const uint32_t at[], size_t count
 #define SEEDS SOME, const uint32_t by[], size_t bys, const double seed[]
 #define FOR_EACH(name, parameters, known, copy) \
@@ -82,7 +83,8 @@ static const char *advance(instance *x, double time, double length) {
     FUNCTION(name, (void *c, FMI(Boolean) tolerant, double tolerance, double time, \
                     FMI(Boolean) ends, double end), x->numbers[TIME] = time)
 
-/* The functions of states. A state is a copy of an instance, which another host may take up. */
+/* The functions of states. A state is a copy of an instance. Another host may have made it, so its
+ * pointers are not taken over. */
 #define STATES(State, Deserialize) \
     FUNCTION(Get##State, WITH(void **), \
          instance *copy = *value == NULL ? malloc(sizeof *x) : *value; \

@@ -1,4 +1,4 @@
-/* The functions of FMI 2.0. */
+/* The functions of FMI 2.0, by the macros of fmi.c. */
 #define VALUES(type) (SOME, type values[])
 #define TELL(wrong) \
     ((fmi2CallbackLogger)x->log)(x->host, "{{ name }}", fmi2Error, "logStatusError", wrong)

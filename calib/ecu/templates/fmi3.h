@@ -1,4 +1,4 @@
-/* The functions of FMI 3.0; tools look for all of them. */
+/* The functions of FMI 3.0, by the macros of fmi.c; tools look for all of them. */
 #define VALUES(type) (SOME, type values[], size_t n)
 #define TELL(wrong) ((fmi3LogMessageCallback)x->log)(x->host, fmi3Error, "logStatusError", wrong)
 #define NAMED fmi3String name, fmi3String token, fmi3String resources, bool visible, bool logs
