@@ -143,8 +143,8 @@ def _user_defined(
     """
     sections = record.validated(document, _OwnEffects, path, ModelError).own_effects
     named = {name: DefinedIn(entry.file, entry.sha256) for name, entry in sections.items()}
-    given = {name: x for name, x in effects.user_defined.items() if isinstance(x, OwnEffect)}
-    all_own = catalogue.with_files(named, given, path)
+    by_user = {name: x for name, x in effects.user_defined.items() if isinstance(x, OwnEffect)}
+    all_own = catalogue.with_files(named, by_user, path)
     return {name: catalogue.require_file(name, effect, path) for name, effect in all_own.items()}
 
 
