@@ -196,7 +196,7 @@ def _limits(constant: Object) -> tuple[float, float]:
     if constant.within is not None:  # a number of the C code has no limits
         return -MOST, MOST
     fixed = constant.fixed
-    parts = [constant.values] if fixed is None else [constant.values, fixed.values]
+    parts = [constant.values] if fixed is None else [fixed.values, constant.values]
     if isinstance(constant, Scalar):
         parts.append(_band(constant))
     elif isinstance(constant, Grid) and constant.count is not None:  # bounds of a map are grids

@@ -55,6 +55,7 @@ def test_a_compiler_sees_the_table(real, tmp_path, points, width):
     for line in printed(tmp_path, data, shown(data)).splitlines():
         by_label.setdefault(line.split()[0], []).append(float(line.split()[1]))
     text = FORMATS["c-header"].write(data).decode()
+    assert "_ */" not in text  # a line break in a comment would become an underscore
     assert by_label.keys() == {constant.label for constant in data.objects}
     for constant in data.objects:
         error = np.abs(np.array(by_label[constant.label]) - constant.values).max()
