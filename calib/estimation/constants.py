@@ -98,8 +98,8 @@ class Constants:
     other_road: float = _ROAD_SIGMA  # sigma of ln of the tyres' stiffness over the ramp's [1]
     slowest: float = 0.3  # a slower speed of the rims counts as this [m/s]
     steering: float = math.radians(5.0)  # angle [rad] that changes eta as much as braking does
-    # left and right radii that differ by 0.5 % look like this acceleration at 30 m/s
     lateral: float = 3.0  # acceleration by the wheels, above which a bend changes eta [m/s^2]
+    # (left and right radii that differ by 0.5 % look like it at 30 m/s)
     lock: float = 0.15  # a wheel that is slower than the fastest by this share locks [1]
     slows: float = 15.0 / NOMINAL_RADIUS  # wheels that slow by more [rad/s^2] lock on any road
     turning: float = MOVING / NOMINAL_RADIUS  # wheel speed from which on a lock is seen [rad/s]
