@@ -462,7 +462,7 @@ static void begin(bte_state *s, const bte_car *car) {
 /* Whether data fit this code and this compiler. */
 static bool is_taken(const bte_car *car) {
     return car->layout == BTE_LAYOUT && car->size == sizeof(bte_car) + sizeof(bte_numbers)
-           && car->waiting >= 1U && car->waiting <= 3U;
+           && car->waiting - 1U < 3U; /* waiting is 1 to 3: the state has room for 3 blocks */
 }
 
 /* Begin with the data of a car, but keep the zeros and the lag, if that is allowed. */
