@@ -65,9 +65,8 @@ class Fits:
         job = partial(_fitted, self.problem.for_worker, near.columns, near.has_unusual_base, least)
         for fit in self.problem.mapped(job, unknown):
             self.add(replace(fit, problem=self.problem))
-        fits = sorted(
-            (self.fitted[p.hypothesis.key] for p in chosen), key=lambda f: -f.log_evidence
-        )
+        fits = [self.fitted[p.hypothesis.key] for p in chosen]
+        fits.sort(key=lambda fit: -fit.log_evidence)
         to_prune = max((fit.log_evidence for fit in fits), default=0.0) - _PRUNING_GAIN
         return [self.pruned(fit) if fit.log_evidence > to_prune else fit for fit in fits]
 

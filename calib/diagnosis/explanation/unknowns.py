@@ -41,8 +41,8 @@ _SCALE = np.array([1.0 if row["scale"] == "log" else float(row["scale"]) for row
 DISCREPANCY_FORCES = np.linspace(0.05, 1.0, 8)  # normalised forces of the discrepancy's values [1]
 _DISCREPANCY = 0.06  # standard deviation of the discrepancy [1]
 DISCREPANCY_LIMIT = 5.0 * _DISCREPANCY
-"""Largest discrepancy [1]; no tyre has more. Without a limit, tyres with far too much slip, whose
-wheels lag, could explain a brake that acts late."""
+"""Largest discrepancy [1], about the largest of any tyre. Without a limit, tyres with far too much
+slip, whose wheels lag, could explain a brake that acts late."""
 _REACH = 0.25  # difference of force over which the discrepancy is correlated [1]
 _CORRELATION_OF_AXLES = 0.7  # of the discrepancies of front and rear tyres [1]
 
