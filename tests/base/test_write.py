@@ -102,9 +102,7 @@ def test_a_stale_name_cannot_lead_out_of_the_folder(out):
 
 
 @pytest.mark.parametrize("name", ["both.txt", "sim"])
-def test_an_obstacle_is_reported_before_anything_is_changed(tmp_path, name):
-    out = tmp_path / "out"
-    run(out, "old", "1")
+def test_an_obstacle_is_reported_before_anything_is_changed(out, name):
     if name == "sim":
         (out / "sim" / "old.csv").unlink()
         (out / "sim").rmdir()

@@ -3,7 +3,6 @@
 import pytest
 
 from calib.diagnosis.diagnose import diagnose
-from calib.diagnosis.diagnosis import Diagnosis
 from calib.logs.log import Log
 from tests.support.plant import Plant, as_log, drive
 from tests.support.reference_car import CAR, IDEAL, REAL
@@ -28,17 +27,13 @@ def logs(plant: Plant) -> tuple[list[Log], list[Log]]:
     return calibration, [braked(plant, "held", 20e5, 0.3, 28.0)]
 
 
-@pytest.fixture(scope="module")
-def ideal() -> Diagnosis:
+def test_a_car_that_lacks_nothing_has_no_gap():
     calibration, holdout = logs(IDEAL)
     assert all(why_not(log, "diagnose") == [] for log in (*calibration, *holdout))
-    return diagnose(CAR, calibration, holdout)
-
-
-def test_a_car_that_lacks_nothing_has_no_gap(ideal):
-    assert (ideal.verdict, ideal.effects) == ("no_gap", ())
-    assert ideal.model_after == ideal.model_before
-    assert ideal.gap.noise.min() >= 0.003
+    diagnosis = diagnose(CAR, calibration, holdout)
+    assert (diagnosis.verdict, diagnosis.effects) == ("no_gap", ())
+    assert diagnosis.model_after == diagnosis.model_before
+    assert diagnosis.gap.noise.min() >= 0.003
 
 
 @pytest.mark.slow

@@ -11,7 +11,6 @@ from calib.diagnosis.explanation.hypothesis import STRENGTH
 from calib.diagnosis.rank import _ranked
 
 NAMES = ["a", "a", "b", "b", "b", "c", "d", "d"]
-SEEDS = given(st.integers(0, 10_000))
 
 
 def drawn(seed):
@@ -43,7 +42,7 @@ def best_of_all(A, g, size):
     return best
 
 
-@SEEDS
+@given(st.integers(0, 10_000))
 def test_singles_and_pairs_are_the_best_of_all_subsets(seed):
     A, g, names_of = drawn(seed)
     ranked = _ranked(A - np.eye(g.size) / STRENGTH**2, g, names_of, 2)

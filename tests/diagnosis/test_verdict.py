@@ -59,17 +59,11 @@ def test_each_log_has_its_own_slope_or_zero_and_hold_outs_are_replayed_with_thei
     assert not np.any(plain.simulated.state.discrepancy)
 
 
-@pytest.fixture(scope="module")
-def drag_in_calibration_alone():
+def test_an_effect_that_makes_the_hold_outs_worse_is_withdrawn():
     """The hold-outs are of the car without drag: a drag that is named would add a gap to them."""
     car = replace(IDEAL, drag_area=0.66)
     logs = [noisy(ramp(car), 1), noisy(stop(car, 30e5), 4)]
-    holdouts = [noisy(stop(IDEAL, 20e5), 3)]
-    return searched(CAR, logs, holdouts)
-
-
-def test_an_effect_that_makes_the_hold_outs_worse_is_withdrawn(drag_in_calibration_alone):
-    search = drag_in_calibration_alone
+    search = searched(CAR, logs, [noisy(stop(IDEAL, 20e5), 3)])
     assert ("aerodynamic_drag",) in search.withdrawn.values()
     assert search.best.names == ()
     result = verdict_of(search)
