@@ -20,8 +20,7 @@ from calib.logs.log import Log
 from calib.logs.write import write_csv
 
 _DOCUMENT, _MODEL, _REPORT = "diagnosis.json", "model.toml", "report.html"
-# units of the fields that are ranges
-_RANGES = {"pressure": "Pa", "speed": "m/s", "temperature": "degC"}
+_RANGE_UNITS = {"pressure": "Pa", "speed": "m/s", "temperature": "degC"}  # by field of a record
 
 
 @dataclass(frozen=True)
@@ -122,7 +121,7 @@ def _plain(value: Any, unit: str = "") -> Any:
     if is_dataclass(value):
         value = {field.name: getattr(value, field.name) for field in fields(value)}
     if isinstance(value, Mapping):
-        return {key: _plain(part, _RANGES.get(key, "")) for key, part in value.items()}
+        return {key: _plain(part, _RANGE_UNITS.get(key, "")) for key, part in value.items()}
     if isinstance(value, list | tuple):
         parts = [_plain(part) for part in value]
         return {"range": parts, "unit": unit} if unit else parts

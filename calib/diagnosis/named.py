@@ -1,7 +1,7 @@
 """Describe a fit: its effects by name, its base, and the drive that separates it from a rival.
 
 The drive is the one in which the predictions of both fits differ most, less what pads, tyres and
-effects can explain, by the linear model of all logs and the drive. For large effects it is rough.
+effects can explain, by a linear model of all logs and the drive, which is rough for large effects.
 """
 
 from collections.abc import Iterable
@@ -161,7 +161,7 @@ def _range_of(driver: Array, weight: Array) -> tuple[float, float]:
 def best_drive(fit: Fit, other: Fit) -> tuple[str, float]:
     """Return the drive that best separates two fits, and the distance of the fits then [sigma].
 
-    The distance is 1 over the standard deviation of a share of the change between the fits.
+    The distance is 1 over the sigma with which logs and drive show a share of the change.
     """
     problem = replace(fit.problem, runs=manoeuvres(fit))
     random_effects = np.zeros((len(problem.runs), len(RANDOM_EFFECTS)))

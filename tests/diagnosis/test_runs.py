@@ -99,13 +99,13 @@ def test_clean_logs_are_not_complained_of():
 SWAPPED = ("coast", "ramp", "hot", "mixed")
 
 
-@pytest.mark.parametrize("every", [False, pytest.param(True, marks=pytest.mark.slow)])
-def test_swapped_axles_are_refused_by_the_logs_in_which_they_show(every):
+@pytest.mark.parametrize("all_logs", [False, pytest.param(True, marks=pytest.mark.slow)])
+def test_swapped_axles_are_refused_by_the_logs_in_which_they_show(all_logs):
     case = draw("none", 60, only=SWAPPED)
-    logs = [swapped(log) for log in case.calibration] if every else list(case.calibration)
+    logs = [swapped(log) for log in case.calibration] if all_logs else list(case.calibration)
     with pytest.raises(LogError, match="axles_swapped") as error:
         diagnose(case.vehicle, logs, [swapped(log) for log in case.holdout])
-    expected = {"mixed.csv", "ramp.csv", "hot.csv"} if every else {"mixed.csv"}
+    expected = {"mixed.csv", "ramp.csv", "hot.csv"} if all_logs else {"mixed.csv"}
     assert set(str(error.value.where).split(", ")) == expected
 
 

@@ -43,7 +43,7 @@ _EDGE = 0.985  # share of the tyre's peak above which a larger force gives no la
 class ObservedRun(RunHistory):
     """A log on the grid: means over the steps of the grid, shapes (n,), SI.
 
-    Of `RunHistory`, ``v`` and temperatures are smoothed, ``z`` is measured, and energies are zero.
+    ``v`` and temperatures of `RunHistory` are smoothed, ``z`` is measured, energies are zero.
     """
 
     step: float  # of the grid [s]
