@@ -100,7 +100,8 @@ class Estimate(Viewable):
     @property
     def zeros(self) -> tuple[float, float]:
         """Eta (22) and slip [1] before the first bite; without a lead-in by the car's radii."""
-        # the sample before the first bite, the last one (-1) without a bite
+        # the sample before the first bite; the last one (-1) without a bite, or if the log begins
+        # braked, when a zero can only have been read later
         step, last = self.best.step, int(np.argmax(self.bites)) - 1
         return float(step.zero_eta[last]), float(step.zero_slip[last])
 
@@ -198,7 +199,7 @@ def estimate_run(
     if log.time.size < max(2, samples_of_block(log.sample_time)):
         raise LogError("the log is shorter than a block of 50 ms", where=log.source)
     filled, rows = _filled(run)
-    used = as_driven(table, filled.car)
+    used = as_driven(table, filled.car)  # known effects that are taken out are not on this car
     nominal = nominal_car(used, vehicle)
     corrected, signals = filled.corrected, filled.signals
     disturbed = np.full(signals.time.size, int(Reason.FAULT))  # in gaps
@@ -211,7 +212,7 @@ def estimate_run(
     ecu = online(exported or table, car_of_ecu, log)
     return Estimate(
         table=used,
-        car=replace(nominal, effects=car.effects),
+        car=replace(nominal, effects=car.effects),  # with all known effects
         run=filled,
         corrected=corrected,
         signals=signals,

@@ -63,16 +63,17 @@ def known_slips(table: Table, road: ForceBalance) -> Pair:
     the ramp's ratio; on another road they are wrong by the ratio of the tyres' stiffness there.
     """
     car = table.vehicle
-    # -M dv/dt [N] of a car without known effects: a part of the brake force slows the wheels
-    inertia = road.demanded / (1.0 + sum(rotating_shares(car)))
+    # without known effects all of the demanded force slows the body and the turning wheels
+    body_force = road.demanded / (1.0 + sum(rotating_shares(car)))  # -M dv/dt [N]
     share = front_share(car, table.calibration.pad_log_ratio.value)
 
     def slip(force: Array, load: Array) -> Array:
         F = force / np.maximum(load, 0.1 * car.weight)
         return np.asarray(np.sign(F) * np.interp(np.abs(F), table.tyre.force, table.tyre.slip))
 
-    front, rear = tyre_forces(car, share, road.demanded, inertia)
-    load_f, load_r = axle_loads(car, inertia / car.weight)
+    front, rear = tyre_forces(car, share, road.demanded, body_force)
+    load_f, load_r = axle_loads(car, body_force / car.weight)
+    # with known effects, less without; front and rear already contain the inertia of the wheels
     return (
         slip(front + road.drag_no_inertia_f, road.load_f) - slip(front, load_f),
         slip(rear + road.drag_no_inertia_r, road.load_r) - slip(rear, load_r),

@@ -60,8 +60,8 @@ DEFAULTS: tuple[Limit, ...] = tuple(
     for key, metric in METRICS.items()
     if metric.validate != MetricLimits()  # the limits of a stop: low, high, warn_low, warn_high
 )
-"""Limits of a stop when the user gives none: an ECU has answers, whose intervals hold the truth.
-How large errors and intervals may be is for the user to limit."""
+"""Limits of a stop when the user gives none: they demand that an ECU answers, and that its
+intervals hold the truth. How large errors and intervals may be is for the user to limit."""
 
 
 def judge(limits: tuple[Limit, ...], figures: Mapping[str, float | None]) -> tuple[Judgement, ...]:

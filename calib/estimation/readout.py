@@ -126,7 +126,8 @@ def read_out(
     x = step_inputs(table, b, reason, pressed)
     c = constants(table, noise, b.length)
     answer = with_before(c, run(c, x))
-    # place of the last complete block in ``answer``, which begins with that before any block
+    # number of blocks that ended up to each sample: their place in ``answer``, whose first entry is
+    # the answer before any block
     block = np.searchsorted(b.end, s.time, side="right")
     pads = [quantity[:, block] for quantity in pads_of_blocks(table, x, answer)]
     level, _, pads_f, pads_r, *_ = pads
@@ -159,7 +160,7 @@ def pads_of_blocks(table: Table, x: Sample[Array], answer: Answer) -> tuple[Arra
     file_pads = np.array([car.front.pad_friction, car.rear.pad_friction])
     ramp_pads = np.array([calibration.pad_friction_f.value, calibration.pad_friction_r.value])
     pads = file_pads[:, None, None] * _pads_of(share, answer.level, answer.ratio)
-    # the quotients have the bounds of the change alone: the ratio of the ramp counts as exact
+    # the bounds of the quotients are those of level and change: the ramp's ratio counts as exact
     ratio = calibration.pad_log_ratio.value + answer.change
     changes = (file_pads / ramp_pads)[:, None, None] * _pads_of(share, answer.level, ratio)
     level, ratio_over_file = np.exp(answer.level), np.exp(answer.ratio)
@@ -213,5 +214,6 @@ def _pads_of(share: Array, level: Array, ratio: Array) -> Array:
     log_rear = -np.log(share * np.exp(ratio) + 1.0 - share)
     # ln of the pads at a level of 1, (2, 3, k); a higher ratio means weaker rear pads
     log_pads = np.stack([ratio + log_rear, log_rear[[0, 2, 1]]])
-    # of an axle (3, k): the level times the median of the pads, and the distances to both bounds
+    # ln of an axle's pads (3, k): the bounds of the level about the median of the pads, widened by
+    # the distances of the bounds of the pads
     return np.exp(np.stack([widened(level + axle[0], axle[0] - axle) for axle in log_pads]))

@@ -25,7 +25,7 @@ class Sample(NamedTuple, Generic[Number]):
     log_odds: Number  # ln of the front pressure over the rear pressure [1]
     driven: Number  # 1 while the accelerator is pressed: nothing is zeroed then
     drive: Number  # force of motors in the demand [1]
-    eta_by_drive: Number  # part of eta by drive and rolling resistance, taken out of it [1]
+    eta_by_drive: Number  # added to eta by taking out drive and rolling resistance [1]
 
 
 @dataclass(slots=True)

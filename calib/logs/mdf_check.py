@@ -26,7 +26,7 @@ from calib.base.bounded import RECORDING
 from calib.base.errors import LogError
 from calib.logs.source import damaged
 
-_COUNTS, _LAST_LENGTH, _VLSD_SIZES = 1, 4, 32
+_NO_COUNTS, _NO_LAST_LENGTH, _NO_VLSD_SIZES = 1, 4, 32
 """Flags of what a recorder did not write: counts of records, length of the last DT, VLSD sizes."""
 _HEAD = 64  # bytes of the identification block, after which the first block begins
 _BLOCK = struct.Struct("<4s4xQQ")  # kind, length, number of links
@@ -34,7 +34,8 @@ _GROUP = struct.Struct("<QQHHLLL")  # content of ##CG: see `_count_records`
 _UNPACKED = struct.Struct("<8xQ")  # content of ##DZ: unpacked size
 _MOST_LINKS = 10_000_000
 _TREE = (b"##HD", b"##DG", b"##CG", b"##CN")
-"""Blocks that form a tree: no two of their first two links may lead to the same block."""
+"""Blocks that form a tree by the first two links of each: in the whole file at most one such link
+may lead to any of these blocks, since a second one makes a ring."""
 _TREE_LINKS_3 = {b"HD": 1, b"DG": 2, b"CG": 2, b"CN": 1}  # number of such links in MDF 3
 _START = 24  # bytes of a ##DT before its data
 _VARIABLE = 1  # flag of a group whose records differ in length; such a group has no channels
@@ -75,7 +76,7 @@ def check_mdf(path: Path) -> tuple[str, dict[int, int]]:
         flags = 0  # of what is missing in an unfinished file
         if begin == b"UnFinMF":
             flags = int.from_bytes(head[60:62], "little")
-            unknown = flags & ~(_COUNTS | _LAST_LENGTH | _VLSD_SIZES)
+            unknown = flags & ~(_NO_COUNTS | _NO_LAST_LENGTH | _NO_VLSD_SIZES)
             # without flags it is not known what the recorder did not write
             can_be_finished = flags > 0 and not unknown and b"4.10" <= version < b"5"
             _require(can_be_finished, path, f"flags {flags} of MDF {version!r}")
@@ -186,7 +187,7 @@ def _count_records(
         is_readable = id_size in (1, 2, 4, 8) or (id_size == 0 and len(groups) == 1)
         _require(is_readable, path, f"{len(groups)} groups, identifiers of {id_size} bytes")
         end = begin + block.length
-        if flags & _LAST_LENGTH:  # the records reach to the next block, or to the end of the file
+        if flags & _NO_LAST_LENGTH:  # records reach to the next block, or to the end of the file
             end = starts[bisect(starts, begin)]
         last = _count_in(data, (begin + _START, end), groups, id_size, path)
         if any(data[last:end]):
@@ -197,7 +198,7 @@ def _count_records(
                 flaw = f"{group.count} of {group.stated} records are there: {missing}"
                 raise damaged(path, flaw, "all that the group counts")
             if not group.is_variable:
-                counts[group.place] = group.count if flags & _COUNTS else group.stated
+                counts[group.place] = group.count if flags & _NO_COUNTS else group.stated
                 records += group.count
     note = f"the recorder did not finish the file: its {records} records were counted here"
     if leftover:

@@ -52,9 +52,10 @@ def open_log(
 ) -> Iterator[OpenLog]:
     """Open a log for the time of the context, with the columns of the file.
 
-    The ending of ``path`` gives the format, and errors name it. ``data`` are its bytes if they were
-    read already; ``file`` is another file that holds them. ``channel_map`` gives the text format
-    and the DBC. Raises LogError for a file that is no log, or not complete.
+    The ending of ``path`` gives the format, and errors name it; ``file`` is read in its place.
+    ``data`` are the bytes if they were read already, but a recording is read from its file.
+    ``channel_map`` gives the text format and the DBC. Raises LogError for a file that is no log, or
+    not complete.
     """
     path, file = Path(path), Path(file or path)
     ending = ending_of(path)
@@ -196,7 +197,7 @@ def log_bytes(path: Path, where: object) -> bytes:
 def _kind_of(path: Path, where: object) -> FileKind:
     """Return the kind of file, which bounds its size. Raises LogError for an unknown ending."""
     ending = ending_of(path)
-    if ending not in FORMATS and path.is_file():
+    if ending not in FORMATS and path.is_file():  # a file that is missing is refused when opened
         expected = f"one of {', '.join(FORMATS)}"
         do = "a workbook: save its sheet as CSV" if ending in _WORKBOOKS else ""
         raise LogError(f"unknown format {ending!r}", where=where, expected=expected, do=do)

@@ -44,9 +44,9 @@ def rows_on_one_clock(time: Array, columns: Mapping[str, Array], where: str) -> 
     several clocks, `on_one_clock` resamples them.
     """
     if not _have_several_clocks(time, columns):
-        time, rounded = on_line(time) if is_ascending(time) else (time, ())
+        time, clock_notes = on_line(time) if is_ascending(time) else (time, ())
         filled, notes, bridged = fill_rows(columns, time)
-        return Resampled(time, [*filled.values()], (*rounded, *notes), tuple(bridged))
+        return Resampled(time, [*filled.values()], (*clock_notes, *notes), tuple(bridged))
     clocks: dict[bytes, str] = {}
     traces = []
     for name, x in columns.items():
@@ -63,8 +63,8 @@ def rows_on_one_clock(time: Array, columns: Mapping[str, Array], where: str) -> 
 def _have_several_clocks(time: Array, columns: Mapping[str, Array]) -> bool:
     """Whether the rows at ``time`` [s] (n,) are those of several clocks, merged.
 
-    Then the times of all rows are uneven, but for some required channel (or some column, if there
-    is no required channel) the times of the rows that have its values are even.
+    Then the times of all rows together are uneven, while the times of the rows with values of one
+    required channel (or of one column, if none is required) are even.
     """
     if time.size < 3 or not is_ascending(time) or _is_even(time):
         return False
@@ -127,8 +127,8 @@ def _cleaned(traces: Sequence[ChannelTrace], where: str) -> tuple[list[ChannelTr
             time = trace.time.astype(np.float64)
             check_running(time, f"{where}: {clock}")
             if np.all(np.diff(time) > 0):
-                time, rounded = on_line(time)
-                notes += [f"{clock}: {text}" for text in rounded]
+                time, clock_notes = on_line(time)
+                notes += [f"{clock}: {text}" for text in clock_notes]
             clocks[clock] = time
         ordered = _ordered(trace, clocks[clock])
         cleaned.append(ordered)

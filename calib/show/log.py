@@ -89,7 +89,8 @@ def log_sheet(log: WholeLog, events: Iterable[RunEvent] = ()) -> Sheet:
     all_events, channels, panels = list(events), channels_log(log), list[Panel]()
     for label, columns in groups.items():
         kind = _kind(columns[0].name)
-        name = label if kind in {panel.name for panel in panels} else kind  # label: in another unit
+        # a kind in two units has two panels; the second one has the label with the unit as its name
+        name = label if kind in {panel.name for panel in panels} else kind
         lines = []
         for column in columns:
             place = column.name.rpartition("_")[2] if len(columns) > 1 else ""  # fl, f ...

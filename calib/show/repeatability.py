@@ -31,7 +31,9 @@ def gauge_facts(study: GaugeStudy) -> Facts:
         sentences += [f"{verdict}: {', '.join(names)}"] if names else []
     if not judged:
         sentences = ["none of the metrics could be judged: their repeats do not scatter"]
-    outcome = UNJUDGED  # nothing scatters, or the cars are too alike
+    # A marginal metric passes. A study without a bad metric may still not pass: in some metrics the
+    # cars are too alike to tell.
+    outcome = UNJUDGED
     if any(result.verdict == GaugeVerdict.BAD for result in judged):
         outcome = FAILED
     elif judged and study.passed:
@@ -66,7 +68,8 @@ def _shares(result: GaugeResult) -> tuple[str, ...]:
 
 
 def _deviations(result: GaugeResult) -> tuple[str, ...]:
-    metric, components = metric_of(result.name), result.gauge.components if result.gauge else {}
+    metric = metric_of(result.name)
+    components = result.gauge.components if result.gauge else {}
     deviations = {cause: f"{metric.factor * x.sd:.3g}" for cause, x in components.items()}
     return metric.heading, *(deviations.get(cause, "") for cause in _CAUSES)
 

@@ -96,7 +96,7 @@ def _with_summary(result: StoredResult, path: Path, best_valid: Mask) -> StoredR
     titles = [warning.title for warning in warnings if warning.log == result.name]
     passed = PASSED if log["proof"] != NONE else CONSISTENT
     verdict = FAILED if log["verdict"] == FAILED else passed
-    # only a required metric fails without a value; the summary does not say which are required
+    # `required` matters only without a value, and a metric that failed without one was required
     judgements = [
         Judgement(x["figure"], x["min"], x["max"], required=x["passed"] is False, value=x["value"])
         for x in log["limits"]

@@ -40,7 +40,7 @@ _PROOFS = {
     NONE: "nothing: the logs hold neither torques nor v",
 }
 """What the torques of the ECU are checked against, in words."""
-_V_NOT_USED = "nothing: no torques, and v is late, held or beside no sample that is valid"
+_V_NOT_USED = "nothing: no torques, and v is late, held, or missing where samples are valid"
 """The words for `NONE` if there is a v that cannot be used."""
 _MEANS = "Means over the valid samples with 95 % intervals; an ECU has no speed v."
 
@@ -113,7 +113,7 @@ def _outcome(stored: Stored, results: list[Validation]) -> str:
     """Return on how many stops the table holds, and the largest error of the torques."""
     passed, stops = sum(result.passed for result in results), len(results)
     texts = [f"{stored.id} holds on {passed} of {counted(stops, 'stop')}"]
-    if stops == 1:  # its torques, and below the change of its pads since the ramp
+    if stops == 1:  # its torques here, the change of its pads at the end
         texts.append(torque.in_words(torque.ecu_means(results[0])))
     compared = [errors for errors in map(torque.errors, results) if errors.values]
     if compared:
@@ -177,8 +177,8 @@ def _answers(stored: Stored, r: Validation) -> Iterator[Sequence[str]]:
     best = "best, with v" if r.estimate.run.blocks.v is not None else "best, without v"
     best_torques = torque.means(columns, ecu_valid & r.estimate.valid, prefix="")
     best_pads = [pads(figures, axle) for axle in "fr"]
-    share = metric_of("valid_share").with_unit(figures["valid_share"])
-    yield best, *best_torques, *best_pads, "", share
+    best_share = metric_of("valid_share").with_unit(figures["valid_share"])
+    yield best, *best_torques, *best_pads, "", best_share
     error = torque.errors(r)
     if error.values:
         yield f"ECU against {torque.AGAINST[error.against]}", *error.texts, "", "", "", ""

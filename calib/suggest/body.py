@@ -75,6 +75,7 @@ def find_speed(search: Search, wheels: Array | None) -> Array | None:
             search.refuse(item, "a speed that does not agree with the wheels")
         else:
             passed.append(item)
+    # also beside a column of the user, so that the other speeds are refused
     chosen = _choose(search, "v", passed, "more than one speed of the car")
     if "v" in search.user_specified:
         return search.values_of_user("v")

@@ -53,7 +53,7 @@ def suggest(
     else:
         _find_others(search, search.clock)
     for item in search.series:
-        search.refuse(item, _UNKNOWN)
+        search.refuse(item, _UNKNOWN)  # unless it has a reason; proposed ones are left out below
     proposals = tuple(search.proposals[name] for name in CHANNELS if name in search.proposals)
     proposed = {proposal.mapping.source for proposal in proposals}
     unused = {name: why for name, why in search.unused.items() if name not in proposed}
@@ -156,7 +156,10 @@ def _paths(paths: abc.Iterable[Path], folder: Path | None) -> list[str]:
 
 
 def to_lines(suggestion: Suggestion) -> abc.Iterator[tuple[str, str]]:
-    """Channel and text for each proposal, doubt, missing channel and unused column."""
+    """Channel and text for each proposal, doubt and missing channel.
+
+    A column that is not used has no channel: it stands under "left", as in the JSON document.
+    """
     for proposal in suggestion.proposals:
         mapping = proposal.mapping
         sign = "" if mapping.sign == 1 else ", sign -1"
@@ -169,4 +172,4 @@ def to_lines(suggestion: Suggestion) -> abc.Iterator[tuple[str, str]]:
     for name, why in suggestion.missing.items():
         yield name, f"missing: {why}"
     for name, why in suggestion.unused.items():
-        yield "left", f"{name}: {why}"  # the key of the JSON document
+        yield "left", f"{name}: {why}"

@@ -9,7 +9,8 @@ Each side of the median has its own spread and tails, so that a skewed metric ha
 outliers than another. Few cars say little of the tails, so the weights of the distributions are
 learnt from all sides of all metrics (empirical Bayes; Efron, Large-Scale Inference, 2010). The
 outermost tenth of a side is censored: outliers do not lengthen the tails by which they are judged.
-Where at least half of the cars have one value, such as that of a prior, only the others are judged.
+Where at least half of the cars have one value, such as that of a prior, only the others are judged
+if they are enough.
 """
 
 from collections.abc import Sequence
@@ -22,7 +23,8 @@ from calib.base.arrays import Array, Index, Mask
 _FALSE_SHARE = 0.03
 """Expected share of good cars among the outliers; 3 % of fleets of good cars have an outlier."""
 _REASON_P = 0.01
-"""A metric of an outlier is a reason, too, if p times the number of metrics is at most this."""
+"""A metric of an outlier is a reason if p times the number of metrics is at most this, or at most
+the largest p of an outlying car."""
 FEWEST = 8  # fewest cars for a spread that can name outliers
 _CENSORED = 0.1  # share of the cars of a side that is censored: the outermost
 _FREEDOM = np.array([1e6, 8.0, 4.0, 2.5])  # of four Student distributions; 1e6: nearly normal
@@ -88,6 +90,7 @@ def _sides(values: Array, least: float) -> list[tuple[Index, Array]]:
             cars, deviation = cars[differs], deviation[differs]
         elif least <= 0.0:
             return []
+        # else all cars are judged, by the least spread
     sides = []
     for side in (deviation < 0.0, deviation >= 0.0):
         is_large = 2 * np.count_nonzero(side) >= FEWEST  # else the spread is that of both sides

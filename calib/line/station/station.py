@@ -33,9 +33,13 @@ from calib.table.table import Table
 STATION = "station"  # purpose of rules for ramp and stops together, see `calib/base/rules.csv`
 _LONGEST = 64  # largest number of characters of an identifier
 
-TITLES = {"serial": "Serial number", "vin": "VIN", "station": "Station", "rxswin": "RXSWIN"}
-"""Titles of the identifiers: number of the car or its brake control unit, number of the car, place
-of the run, number of the software by UN R156."""
+TITLES = {
+    "serial": "Serial number",  # of the car, or of its brake control unit
+    "vin": "VIN",
+    "station": "Station",  # where the run took place
+    "rxswin": "RXSWIN",  # of the software, by UN R156
+}
+"""Titles of the identifiers of a run."""
 
 Identity = Mapping[str, str]  # the identifiers of a run, by their names in `TITLES`
 

@@ -62,7 +62,7 @@ class Capture:
     """The frames of a file."""
 
     times: "array[float]" = field(default_factory=lambda: array("d"))  # of all frames [s]
-    errors: int = 0  # number of error frames, which have no data, as remote frames
+    errors: int = 0  # number of error frames; like remote frames they have no data
     described: "dict[tuple[str, Key], tuple[array[int], list[bytes]]]" = field(default_factory=dict)
     """Indices in ``times`` and bytes of the frames, by a bus and an identifier that the DBC has."""
     others: set[tuple[str, Key]] = field(default_factory=set)  # those that the DBC does not have

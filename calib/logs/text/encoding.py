@@ -47,7 +47,7 @@ def to_utf8(data: bytes, where: str, encoding: str | None = None) -> bytes:
             break
     if encoding is None or codecs.lookup(encoding).name == "utf-8":
         head = data[:_HEAD]
-        # a text log whose recorder lost its power ends with zeros; a binary file has no lines
+        # zeros after a loss of power may begin within the head; a binary file has no lines
         text = head.rstrip(b"\0") if b"\n" in head else head
         if b"\0" in text:
             raise LogError("not text", where=where, expected="text with separated columns")
