@@ -31,8 +31,8 @@ DAMAGES: dict[str, Callable[[bytes], bytes | None]] = {
     "huge": lambda good: good + b"\n" * LARGE,
     "nested": lambda good: b"x = " + b"[" * 100_000,
 }
-NO_END = {("dbc", "cut in half"), ("sym", "cut in half")}
-"""What is left of them is a whole file that describes less."""
+STILL_WHOLE = {("dbc", "cut in half"), ("sym", "cut in half")}
+"""Kinds of file whose first half is a whole file that describes less."""
 
 
 @pytest.mark.parametrize("name", READERS)
@@ -48,13 +48,14 @@ def test_a_good_file_is_read_and_a_damaged_one_refused(name, tmp_path, monkeypat
     for damage, spoil in DAMAGES.items():
         folder = tmp_path / damage
         folder.mkdir()
-        if (spoilt := spoil(seeds[0])) is not None:
+        spoilt = spoil(seeds[0])
+        if spoilt is not None:
             (folder / reader.file).write_bytes(spoilt)
         try:
             refused = reader.read(folder / reader.file) == Snapshot(folder, Journal())
         except BrakeCalError:
             refused = True
-        assert refused == ((name, damage) not in NO_END), damage
+        assert refused == ((name, damage) not in STILL_WHOLE), damage
 
 
 WORDS = (
@@ -138,13 +139,11 @@ FAULTS = {
 
 @pytest.mark.parametrize("channel", CHANNELS)
 def test_a_bad_channel_is_not_taken(channel, tmp_path):
-    """Of the reference speed, which is optional, nothing is taken, or the log is no good."""
+    """The optional speed v is left out, or the log is not usable for a fit."""
     run = pd.read_csv(SEDAN / "ramp_wet_asphalt.csv")
     unit = CHANNELS[channel]
     column = f"{channel} [{unit}]"
-    spoilt = {
-        fault: run.assign(**{column: change(run[column])}) for fault, change in FAULTS.items()
-    }
+    spoilt = {kind: run.assign(**{column: change(run[column])}) for kind, change in FAULTS.items()}
     spoilt |= {
         "missing": run.drop(columns=column),
         "twice": pd.concat([run, run[column]], axis=1),
@@ -157,5 +156,5 @@ def test_a_bad_channel_is_not_taken(channel, tmp_path):
             log = read_log(tmp_path / "ramp.csv")
         except LogError:
             continue
-        fits = next(one.usable for one in check(log).verdicts if one.purpose == "fit")
+        fits = next(x.usable for x in check(log).verdicts if x.purpose == "fit")
         assert not fits or (channel == "v" and "v" not in log.channels), fault

@@ -50,12 +50,12 @@ HEAVY = {
 
 
 def room(module: str) -> str:
-    """`store` of calib.store.store, `logs` of calib.logs.text.csv."""
+    """Return the room of a module, such as `logs` of calib.logs.text.csv."""
     return module.split(".")[1]
 
 
 def folder(module: str) -> str:
-    """`search` of calib.diagnosis.rank, `diagnose` of calib.diagnosis.diagnose."""
+    """Return the folder of a module in a room, or the name of its file where it is in no folder."""
     return module.split(".")[2]
 
 

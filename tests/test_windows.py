@@ -51,7 +51,7 @@ TAKEN_AWAY = textwrap.dedent(
         if event in CHANGES:
             for path in arguments[:2] if event == "os.rename" else arguments[:1]:
                 path = os.path.realpath(path)
-                if in_use(path) and not path.endswith(".lock"):  # howfilelock removes it is its own
+                if in_use(path) and not path.endswith(".lock"):  # filelock removes its own lock
                     print("in use:", event, path, file=sys.stderr)
                     raise PermissionError(13, "in use by this process", path)
 

@@ -21,7 +21,7 @@ def tables(on_store, stored):
 
 @pytest.fixture
 def two(stored, store):
-    """That store with sedan@2 of another stiffness, and wagon@1."""
+    """The store of ``stored`` with sedan@2 of another stiffness, and wagon@1."""
     Store(store).save(made_table(28.0))
     Store(store).save(made_table(name="wagon"))
     return store
@@ -49,5 +49,5 @@ def refused(brake_cal, tmp_path):
 
 
 def parsed(ran):
-    """The one document of a command."""
+    """Return the JSON document that a command printed."""
     return json.loads(ran.out)

@@ -122,11 +122,10 @@ def test_the_tables_and_pictures_of_the_repository_are_those_of_the_program(demo
         assert np.mean(np.abs(expected - actual)) < 0.01, name
 
 
-DEAR = re.compile("brake-cal (batch|diagnose|fleet|plan|qualify|station)")
-"""Up to half a minute each; the same run on the pages of the manual, and in their tests."""
+SLOW = re.compile("brake-cal (batch|diagnose|fleet|plan|qualify|station)")
+"""Commands of up to half a minute; they also run on pages of the manual and in their tests."""
 
-
-BEFORE = (
+MAKERS = (
     ("simulate ramp.csv", "--manoeuvre ramp"),
     ("tables export", "tables release"),
     ("tables compare", "--out sedan.dcm"),
@@ -135,25 +134,27 @@ BEFORE = (
     ("tables sign sedan", "--new-key"),
     ("fleet checked", "--out checked"),
 )
-"""Examples, and a part of the one that makes what they read."""
+"""A part of an example, and a part of the example that makes what the first one reads."""
 
 
 def with_makers(line: str) -> list[str]:
-    """An example after those that make what it reads."""
-    makers = [next(x for x in examples() if part in x) for mark, part in BEFORE if mark in line]
+    """Return the examples that make what an example reads, and then this example."""
+    makers = [next(x for x in examples() if part in x) for mark, part in MAKERS if mark in line]
     return [y for x in makers for y in with_makers(x)] + [line]
 
 
 @pytest.mark.parametrize(
-    "line", [pytest.param(x, marks=[pytest.mark.slow] * bool(DEAR.match(x))) for x in examples()]
+    "line", [pytest.param(x, marks=pytest.mark.slow if SLOW.match(x) else ()) for x in examples()]
 )
 def test_the_examples_work_as_printed(home: Path, line: str) -> None:
-    for each in with_makers(line):
+    for example in with_makers(line):
         # what another example has written is not replaced
-        for name in ("line.key", "line.pub") if "--new-key" in each else ("line.toml", "sedan.dcm"):
-            if f" {name}" in each and f"--limits {name}" not in each and "compare" not in each:
+        names = ("line.key", "line.pub") if "--new-key" in example else ("line.toml", "sedan.dcm")
+        for name in names:
+            is_read = f"--limits {name}" in example or "compare" in example
+            if f" {name}" in example and not is_read:
                 (home / name).unlink(missing_ok=True)
-        assert run(home, each) == 0
+        assert run(home, example) == 0
 
 
 def test_the_commands_of_the_readme_work(tmp_path: Path) -> None:

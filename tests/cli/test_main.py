@@ -61,7 +61,7 @@ def test_streams_that_the_shell_has_closed():
 
 
 def test_a_bad_file_ends_with_3_and_no_traceback(tmp_path):
-    """On the way out of the interpreter either."""
+    """Nor does the interpreter print a traceback as it ends."""
     path = tmp_path / "empty.csv"
     path.write_text("")
     ran = run(["check", str(path), "--json"], stdout=subprocess.PIPE)

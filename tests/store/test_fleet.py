@@ -13,7 +13,7 @@ NEW = replace(VEHICLE, name="new", mass_tolerance=0.005)
 
 
 def car(number, **more):
-    """A car under a name of its own; ``more`` of its provenance."""
+    """Return the table of a car with its own name; ``more`` are fields of its provenance."""
     table, name = car_table(number, 26.0 + number), f"car{number}"
     origin = replace(table.provenance, **more)
     vehicle = replace(table.vehicle, name=name)

@@ -58,16 +58,16 @@ def test_shares_are_shares(fitted):
 LEVELS = (-0.02, 0.01, 0.03, 0.05, -0.04)
 
 
-def alike(table):
-    """The table with nothing left open: each of its draws is their middle."""
+def without_scatter(table):
+    """Return the table with every draw at the mean of its draws."""
     draws = {name: np.full_like(x, np.mean(x)) for name, x in vars(table.draws).items()}
     return replace(table, draws=replace(table.draws, **draws))
 
 
 @pytest.mark.parametrize("k", [2, 3, 5])
 def test_one_more_car_is_of_students_distribution(k):
-    """Its 80 % interval: cars that leave nothing open scatter, and nothing else does."""
-    cars = [alike(car_table(n, level=level)) for n, level in enumerate(LEVELS[:k])]
+    """Of the 80 % interval: the draws of a car are equal, so that only the cars scatter."""
+    cars = [without_scatter(car_table(n, level=level)) for n, level in enumerate(LEVELS[:k])]
     drawn = one_more(cars, 40_000)
     mean, sigma = np.mean(LEVELS[:k]), np.std(LEVELS[:k], ddof=1)
     half = t.ppf(0.9, k - 1) * sigma * np.sqrt(1.0 + 1.0 / k)
@@ -76,7 +76,7 @@ def test_one_more_car_is_of_students_distribution(k):
     assert np.ptp(drawn.peak) < 1e-12
 
 
-def test_what_a_car_leaves_open_is_what_one_more_car_does():
+def test_draws_of_one_more_car_scatter_as_those_of_a_car():
     car = car_table(1)
     drawn = one_more([car, car_table(2)], 20_000)
     for name, x in vars(car.draws).items():
