@@ -236,13 +236,13 @@ def with_columns(fit: Fit, near: Sequence[Array] = ()) -> Fit:
     steps = np.where(state.x + _STEP < fit.prior.high[:m], _STEP, -_STEP)
     moved = [replace(state, x=state.x + step) for step in np.diag(steps)[reused:]]
     computed = _differences(fit, moved, steps[reused:])
-    known = near if near else _by_discrepancy(fit)  # the columns by the discrepancy are the last
+    reusable = near if near else _by_discrepancy(fit)  # the columns by the discrepancy are the last
     columns = []
-    for J_known, J in zip(known, computed, strict=True):
-        by_discrepancy = J_known[-size:]
+    for J_reused, J in zip(reusable, computed, strict=True):
+        by_discrepancy = J_reused[-size:]
         if not fit.hypothesis.has_discrepancy:
             by_discrepancy = np.zeros_like(by_discrepancy)
-        columns.append(np.vstack([J_known[:reused], J, by_discrepancy]))
+        columns.append(np.vstack([J_reused[:reused], J, by_discrepancy]))
     if FADE in fit.effects:
         heat = random_derivatives(fit, (unknowns.FRONT_HEAT, unknowns.REAR_HEAT))
     else:
