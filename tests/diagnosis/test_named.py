@@ -16,7 +16,7 @@ from calib.diagnosis.explanation.unknowns import RANDOM_EFFECTS
 from calib.diagnosis.named import best_drive, manoeuvres
 from calib.diagnosis.replays import model_of, without_discrepancy
 from calib.model.simulate import simulate
-from tests.support.explained import asked_of, fitted
+from tests.support.explained import fitted, problem_of_case
 from tests.support.hidden.cases import draw
 
 NAMES = ("aerodynamic_drag", "rolling_resistance")
@@ -26,7 +26,7 @@ NAMES = ("aerodynamic_drag", "rolling_resistance")
 def rivals():
     """Drag hidden, seen on stops alone: rolling resistance explains it nearly as well."""
     steps = ("step_high", "step_low")
-    problem = asked_of(draw("single", 41, ("aerodynamic_drag",), severity=1, only=steps))
+    problem = problem_of_case(draw("single", 41, ("aerodynamic_drag",), severity=1, only=steps))
     return [fitted(problem, (name,)) for name in NAMES]
 
 

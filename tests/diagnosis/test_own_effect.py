@@ -1,4 +1,4 @@
-"""An effect of one's own is searched, named and added like those of the catalogue."""
+"""An effect of one's own is searched for, named and added like those of the catalogue."""
 
 import numpy as np
 import pytest

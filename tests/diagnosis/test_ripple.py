@@ -10,7 +10,7 @@ from calib.diagnosis.explanation.problem import problem_of, with_ripple_phase
 from calib.diagnosis.replays import HoldOuts, gap_of, replayed
 from calib.logs.log import Log
 from calib.model.sensor_noise import add_noise
-from tests.support.explained import asked, fitted
+from tests.support.explained import fitted, problem_of_logs
 from tests.support.hidden.cases import CARS, NOISE, SURFACES
 from tests.support.hidden.hydraulics import STEP, lines
 from tests.support.hidden.plant import Car, Start, drive
@@ -59,7 +59,7 @@ def test_the_origins_of_the_runs_differ_as_their_first_angles_do(runs):
 
 def test_the_gap_of_a_ripple_shrinks_on_hold_outs(runs):
     name, logs = runs
-    problem = asked(CAR, logs[:2])
+    problem = problem_of_logs(CAR, logs[:2])
     shifted = with_ripple_phase(CAR, [run_of(log) for log in logs[2:]], problem.noise)
     holdouts = HoldOuts(tuple(logs[2:]), replace(problem, runs=shifted))
     base = fitted(problem)

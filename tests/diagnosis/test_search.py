@@ -13,14 +13,14 @@ from calib.diagnosis.search import Search
 from calib.logs.log import Log
 from calib.model.sensor_noise import add_noise
 from tests.support.effect_runs import SEDAN
-from tests.support.explained import asked, fitted, searched
+from tests.support.explained import fitted, problem_of_logs, search_in
 from tests.support.hidden.cases import HiddenCase, draw
 
 FEW = ("coast", "coast_slow", "hot", "stop_a")
 
 
 def search_of(case: HiddenCase) -> Search:
-    return searched(case.vehicle, case.calibration, case.holdout)
+    return search_in(case.vehicle, case.calibration, case.holdout)
 
 
 @pytest.fixture(scope="module")
@@ -90,7 +90,7 @@ def hot_stops() -> list[Log]:
 
 
 def test_discs_that_begin_unlike_are_told_by_their_fade(hot_stops):
-    problem, fade = asked(SEDAN, hot_stops), ("pad_thermal_fade",)
+    problem, fade = problem_of_logs(SEDAN, hot_stops), ("pad_thermal_fade",)
     best = fitted(problem, fade, ["heat"])
     assert best.log_evidence > 100.0 + fitted(problem, fade).log_evidence
     # heats and onset count from each other alone, so what is above the onset is compared

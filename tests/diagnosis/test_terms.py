@@ -16,7 +16,7 @@ from calib.diagnosis.explanation.hypothesis import Hypothesis, Walk
 from calib.diagnosis.terms import ranked_terms, with_terms
 from calib.model.sensor_noise import add_noise
 from tests.support.effect_runs import SEDAN
-from tests.support.explained import asked, fitted
+from tests.support.explained import fitted, problem_of_logs
 
 TIME = np.arange(0.0, 9.0, 0.005)
 RUNS = {
@@ -34,7 +34,7 @@ def best_with(term: EmpiricalTerm) -> Fit:
     for name, (begin, rise, top, speed) in RUNS.items():
         p = np.clip(rise * (TIME - begin), 0.0, top)
         logs.append(add_noise(calib.simulate(model, TIME, p, speed, name=name), len(logs)))
-    base = fitted(asked(SEDAN, logs))
+    base = fitted(problem_of_logs(SEDAN, logs))
     best, *others = with_terms(base, ranked_terms(base))
     assert all(other.log_evidence <= best.log_evidence for other in others)
     assert best.log_evidence > base.log_evidence

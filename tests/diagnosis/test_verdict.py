@@ -14,7 +14,7 @@ from calib.diagnosis.replays import HoldOuts, gap_of, holdout_effects, replayed
 from calib.diagnosis.verdict import Oscillation, held_from, oscillation_of, verdict_of
 from calib.model.sensor_noise import add_noise
 from tests.support.effect_runs import SEDAN
-from tests.support.explained import asked, fitted, left_in, searched
+from tests.support.explained import fitted, left_in, problem_of_logs, search_in
 from tests.support.hidden.cases import HiddenCase, draw
 from tests.support.reference_car import CAR, IDEAL, noisy, ramp, stop
 from tests.support.rounding import moved
@@ -38,7 +38,7 @@ def offset_logs(group: str, shares: list[float], first: int = 0):
 @pytest.mark.parametrize("group", list(SIZES))
 def test_each_log_has_its_own_slope_or_zero_and_hold_outs_are_replayed_with_theirs(group):
     shares, holdout_shares = [0.0, 1.0, -0.5], [0.7, -1.0]
-    problem = asked(SEDAN, offset_logs(group, shares))
+    problem = problem_of_logs(SEDAN, offset_logs(group, shares))
     logs = offset_logs(group, holdout_shares, 7)
     holdout_problem = replace(problem, runs=tuple(run_of(log) for log in logs))
     fit = fitted(problem, groups=[group])
@@ -63,7 +63,7 @@ def test_an_effect_that_makes_the_hold_outs_worse_is_withdrawn():
     """The hold-outs are of the car without drag: a drag that is named would add a gap to them."""
     car = replace(IDEAL, drag_area=0.66)
     logs = [noisy(ramp(car), 1), noisy(stop(car, 30e5), 4)]
-    search = searched(CAR, logs, [noisy(stop(IDEAL, 20e5), 3)])
+    search = search_in(CAR, logs, [noisy(stop(IDEAL, 20e5), 3)])
     assert ("aerodynamic_drag",) in search.withdrawn.values()
     assert search.best.names == ()
     result = verdict_of(search)

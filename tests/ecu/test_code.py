@@ -108,12 +108,12 @@ def test_another_program_finds_the_addresses_of_the_a2l(codes, width, tmp_path):
     theirs = without_epk(a2ltool(tmp_path, file.read_bytes(), *update))
     write_code(SEDAN, code, "ecu", *HOW[width], elf=elf)
     assert without_epk(a2ltool(tmp_path, file.read_bytes())) == theirs
-    module = read_a2l(file.read_bytes()).one("MODULE")
+    module = read_a2l(file.read_bytes()).only("MODULE")
     memory, numbers = memory_of(elf), decoded(module, memory_of(elf))
-    epk = module.one("MOD_PAR")
+    epk = module.only("MOD_PAR")
     text = memory(int(epk.after("ADDR_EPK")[0], 0), 64).decode()
     assert text == epk.after("EPK")[0].strip('"') == SEDAN.digest
-    begin, size = (int(x, 0) for x in epk.one("MEMORY_SEGMENT").given[5:7])
+    begin, size = (int(x, 0) for x in epk.only("MEMORY_SEGMENT").words[5:7])
     assert all(begin <= x[0] < begin + size for x in objects(module).values())
     car = SEDAN.table.vehicle
     for name, value in {
@@ -122,7 +122,7 @@ def test_another_program_finds_the_addresses_of_the_a2l(codes, width, tmp_path):
         "c_sample_time": HOW[width][1], "c_moving": Constants.moving,
     }.items():  # fmt: skip
         assert numbers[f"sedan_2up_{name}"] == pytest.approx([value], rel=1e-7)
-    kinds = [x.given[0].removeprefix("sedan_2up_") for x in module.all("MEASUREMENT")]
+    kinds = [x.words[0].removeprefix("sedan_2up_") for x in module.all("MEASUREMENT")]
     ends = ("", "_lower", "_upper")
     assert {*CHANNELS, *(f"{x}{end}" for x in ANSWERS for end in ends), "reason"} <= {*kinds}
     assert {"diagnosis", "lasted_a_x", "often_p_mc", "often_far"} <= {*kinds}

@@ -18,7 +18,7 @@ from tests.support.reference_car import (
     REAL,
     WET,
     balanced,
-    held,
+    covered,
     noisy,
     one_axle,
     ramp,
@@ -57,7 +57,7 @@ def test_weak_front_pads_are_estimated(fitted):
     log = weak(REAL, 0.7)
     (result,) = validate(fitted, [log])
     assert result.figures["valid_share"] > 0.75
-    assert min(held(result.estimate, 0.7, 1.0, "change")) > 0.9
+    assert min(covered(result.estimate, 0.7, 1.0, "change")) > 0.9
     (warning,) = (w for w in result.warnings if w.code == "pads_changed_apart")
     assert any("swapped" in cause for cause in warning.causes)
     verdicts = {v.purpose: v.usable for v in check(log).verdicts}

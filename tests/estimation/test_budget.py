@@ -10,7 +10,7 @@ from calib.base.intervals import Z95
 from calib.estimation.estimator import estimate
 from calib.estimation.metrics import budget
 from calib.fitting.fit import fit
-from tests.support.reference_car import CAR, IDEAL, REAL, WET, held, noisy, ramp, stop, without
+from tests.support.reference_car import CAR, IDEAL, REAL, WET, covered, noisy, ramp, stop, without
 
 UNWEIGHED = replace(CAR, mass_tolerance=0.03)
 PATCHED = replace(REAL, surface=lambda x: (1.0, 1.0) if x < 85.0 else (0.95, 0.55))
@@ -78,4 +78,4 @@ def test_a_mass_wrong_on_ramp_and_stop_is_held_by_the_interval(plant, scale):
     e = estimate(table, noisy(stop(wrong), 3))
     error = abs(np.log(e.best.level.value[e.valid][-1] * 0.38 / CAR.front.pad_friction))
     assert error == pytest.approx(0.06, abs=0.02)
-    assert min(held(e)) > 0.9
+    assert min(covered(e)) > 0.9

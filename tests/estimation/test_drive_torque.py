@@ -8,7 +8,7 @@ import pytest
 from calib.estimation.estimator import estimate
 from calib.fitting.fit import fit
 from tests.support.plant import as_log, drive
-from tests.support.reference_car import CAR, REAL, held, noisy, ramp, stop, with_pads, without
+from tests.support.reference_car import CAR, REAL, covered, noisy, ramp, stop, with_pads, without
 
 PADS = (0.31, 0.27)
 CHANNELS = ("T_drive_f", "T_drive_r")
@@ -40,7 +40,7 @@ def judged(logs):
     axles = zip((e.best.pads_f, e.best.pads_r), PADS, strict=True)
     errors = [(axle.value / mu - 1.0)[e.valid] for axle, mu in axles]
     rms = np.sqrt(np.mean(np.square(errors), axis=1))
-    return list(zip(held(e, *PADS), rms, strict=True))
+    return list(zip(covered(e, *PADS), rms, strict=True))
 
 
 @pytest.fixture(scope="module")

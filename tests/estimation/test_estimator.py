@@ -22,8 +22,8 @@ from tests.support.reference_car import (
     CAR,
     REAL,
     WET,
+    covered,
     cut,
-    held,
     noisy,
     ramp,
     stop,
@@ -126,7 +126,7 @@ def test_tyres_that_differ_by_axle_are_in_the_interval(ratio):
     assert np.mean(with_v.valid) > 0.5
     assert np.any(without_v.valid)
     for e in (with_v, without_v):
-        assert min(*held(e, 0.31, 0.27), *held(e, *CHANGED, "change")) >= 0.9
+        assert min(*covered(e, 0.31, 0.27), *covered(e, *CHANGED, "change")) >= 0.9
 
 
 @pytest.mark.parametrize(("scale", "bias"), [(1.05, 0.0), (1.0, -0.3)])
@@ -136,7 +136,7 @@ def test_a_wrong_accelerometer_is_put_right_with_v(fitted, wet, scale, bias):
     sensor = e.run.accelerometer(known_resistance(e.table), e.noise)
     assert sensor.scale == pytest.approx(1.0 - 1.0 / scale, abs=0.015)
     assert G * sensor.bias == pytest.approx(-bias, abs=0.05)
-    assert min(held(e, 0.31, 0.27)) > 0.9
+    assert min(covered(e, 0.31, 0.27)) > 0.9
     assert np.mean(e.best.pads_f.value[e.valid]) == pytest.approx(0.31, rel=0.03)
 
 
@@ -158,7 +158,7 @@ def test_a_change_of_road_leaves_the_pads(fitted):
     dry = with_pads(REAL, 0.36, 0.36)
     plant = replace(dry, surface=lambda x: (1.0, 1.0) if x < 85.0 else (0.95, 0.55))
     e = estimate(fitted, noisy(stop(plant, pressure=24e5), 0))
-    assert min(held(e, 0.36, 0.36)) > 0.8
+    assert min(covered(e, 0.36, 0.36)) > 0.8
 
 
 def test_dry_roads_are_left_alone(fitted):
@@ -313,7 +313,7 @@ def test_rear_pressure_that_is_held_is_estimated_where_wheel_pressures_are_logge
     assert result.figures["valid_share"] > 0.9
     e = result.estimate
     assert np.max(e.normalised[0][e.valid]) > fitted.tyre.force[-1]
-    assert min(held(e)) > 0.95
+    assert min(covered(e)) > 0.95
 
 
 def test_slips_are_counted_from_free_rolling(fitted):

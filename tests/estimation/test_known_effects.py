@@ -95,8 +95,8 @@ def test_an_ecu_does_not_know_the_temperature_of_the_discs():
         return 100.0 + 40.0 * np.clip(t - 1.5, 0.0, 7.0)
 
     def fading(t):
-        left = 1.0 - heat["fade_slope"] * (degrees(t) - 100.0)
-        return 0.31 * left, 0.27 * left
+        remaining = 1.0 - heat["fade_slope"] * (degrees(t) - 100.0)
+        return 0.31 * remaining, 0.27 * remaining
 
     ramp, coast, _ = logs(REAL)
     hot = replace(with_pads(REAL, 0.31, 0.27), pads=fading)

@@ -6,7 +6,7 @@ import numpy as np
 
 from calib.estimation.estimator import estimate
 from calib.fitting.fit import fit
-from tests.support.reference_car import CAR, REAL, held, noisy, ramp, stop, with_pads
+from tests.support.reference_car import CAR, REAL, covered, noisy, ramp, stop, with_pads
 
 LOADED = replace(REAL, mass_scale=1.2)
 KERB = replace(CAR, mass_tolerance=0.03)
@@ -19,8 +19,8 @@ def test_intervals_hold_the_truth_if_the_mass_is_stated_and_else_not():
     since = [mu / CAR.front.pad_friction for mu in PADS]
     with_mass, without_mass = estimate(table, log, mass=1.2 * CAR.mass), estimate(table, log)
     assert all(np.mean(e.valid[e.braked]) > 0.8 for e in (with_mass, without_mass))
-    assert min(*held(with_mass, *PADS), *held(with_mass, *since, "change")) > 0.95
-    assert max(held(without_mass, *PADS)[0], held(without_mass, *since, "change")[0]) < 0.2
+    assert min(*covered(with_mass, *PADS), *covered(with_mass, *since, "change")) > 0.95
+    assert max(covered(without_mass, *PADS)[0], covered(without_mass, *since, "change")[0]) < 0.2
 
 
 def test_the_mass_of_the_file_stated_again_moves_nothing():

@@ -8,7 +8,7 @@ from calib.fitting.fit import fit
 from tests.support.reference_car import (
     CAR,
     IDEAL,
-    held,
+    covered,
     noisy,
     prepared,
     ramp,
@@ -36,7 +36,7 @@ def braking():
 def test_tyres_that_warm_up_move_no_pads(table, braking, drift):
     result = estimate(table, noisy(rolled(braking, ROLLING, drift), 4))
     assert result.zeros[0] == pytest.approx((1.0 + drift) * RADII, abs=1.5e-4)
-    assert held(result, *PADS)[1] > 0.95
+    assert covered(result, *PADS)[1] > 0.95
     assert np.mean(result.best.pads_r.value, where=result.valid) == pytest.approx(PADS[1], rel=0.05)
 
 

@@ -47,9 +47,9 @@ def a2ltool(folder, content, *options):
 def test_bytes_at_the_addresses_decode_to_the_table(real, tmp_path, bits):
     data = built(real, 8, bits=bits)
     elf = linked(tmp_path, FORMATS["c-header"].write(data), data.prefix)
-    module = read_a2l(FORMATS["a2l"].write(replace(data, addresses=find_addresses(elf, data)))).one(
-        "MODULE"
-    )
+    module = read_a2l(
+        FORMATS["a2l"].write(replace(data, addresses=find_addresses(elf, data)))
+    ).only("MODULE")
     numbers = decoded(module, memory_of(elf))
     truth = {constant.label: constant.values for constant in data.objects}
     assert numbers.keys() == truth.keys()
@@ -65,7 +65,7 @@ def test_bytes_at_the_addresses_decode_to_the_table(real, tmp_path, bits):
 @pytest.mark.parametrize("bits", WIDTHS)
 def test_limits_hold_the_numbers_and_the_type_holds_the_limits(real, bits):
     data = built(real, 8, bits=bits)
-    module = read_a2l(FORMATS["a2l"].write(data)).one("MODULE")
+    module = read_a2l(FORMATS["a2l"].write(data)).only("MODULE")
     by_label = objects(module)
     for curve in data.curves:
         low, high = by_label[curve.label][3]
@@ -75,13 +75,13 @@ def test_limits_hold_the_numbers_and_the_type_holds_the_limits(real, bits):
     assert low <= mu.values[0] <= high
     for block in module.all("AXIS_PTS", "CHARACTERISTIC"):
         least, most = map(float, block.after("EXTENDED_LIMITS", 2))
-        low, high = by_label[block.given[0]][3]
+        low, high = by_label[block.words[0]][3]
         assert least <= low <= high <= most
 
 
 def test_addresses_and_the_order_of_bytes_are_those_of_the_program(stored):
     project = read_a2l(FORMATS["a2l"].write(built(stored)))
-    assert project.given == ["sedan", '"sedan@1"']
+    assert project.words == ["sedan", '"sedan@1"']
     placed = Addresses({"sedan_f1": 0x80001234}, big_endian=True, remarks=())
     text = FORMATS["a2l"].write(replace(built(stored), addresses=placed)).decode()
     assert "all addresses" not in text
@@ -93,7 +93,7 @@ def test_addresses_and_the_order_of_bytes_are_those_of_the_program(stored):
 def test_a_name_full_of_traps_is_read(stored, tmp_path, name):
     data = built(replace(stored, name=name, table=made_table(name=name)))
     content = FORMATS["a2l"].write(data)
-    assert read_a2l(content).given[0] == data.prefix
+    assert read_a2l(content).words[0] == data.prefix
     assert b"\x1b" not in content
     if A2LTOOL:
         assert data.prefix in a2ltool(tmp_path, content)

@@ -31,7 +31,7 @@ def bytes_by_label(data, order):
 
 @pytest.fixture
 def program(tmp_path):
-    """Return a function that writes a file with the given content."""
+    """Return a function that writes a file with the words content."""
 
     def write(content):
         path = tmp_path / "ecu"
@@ -52,7 +52,7 @@ def test_both_byte_orders_and_both_widths_of_elf(data, program, order, wide):
     addresses = find_addresses(program(elf), data)
     assert (addresses.big_endian, addresses.remarks) == (order == ">", ())
     memory = b"".join(objects.values())
-    module = read_a2l(FORMATS["a2l"].write(replace(data, addresses=addresses))).one("MODULE")
+    module = read_a2l(FORMATS["a2l"].write(replace(data, addresses=addresses))).only("MODULE")
     numbers = decoded(module, lambda a, size: memory[a - base : a - base + size])
     assert numbers["sedan_f1"] == data.curves[0].values.tolist()
     assert numbers["sedan_mass"] == [1744.0]

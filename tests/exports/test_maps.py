@@ -141,7 +141,7 @@ def test_a_program_holds_what_the_a2l_says(mapped, tmp_path, how):
     ours = without_epk(a2ltool(tmp_path, content))
     theirs = a2ltool(tmp_path, FORMATS["a2l"].write(data), *update)
     assert without_epk(theirs) == ours
-    module = read_a2l(content).one("MODULE")
+    module = read_a2l(content).only("MODULE")
     lower = cells(module, memory_of(elf), "sedan_ratio_lower")
     pad_map = as_exported(mapped.table, Precision(**how)).map
     places = zip(pad_map.slip, pad_map.shift, pad_map.z, strict=True)

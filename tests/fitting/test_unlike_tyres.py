@@ -8,7 +8,7 @@ import pytest
 from calib.estimation.estimator import estimate
 from calib.fitting.fit import fit
 from calib.table.invariants import violations
-from tests.support.reference_car import CAR, REAL, WET, held, noisy, ramp, stop, with_ratio
+from tests.support.reference_car import CAR, REAL, WET, covered, noisy, ramp, stop, with_ratio
 
 CARS = {"rear 10 % stiffer": {"rear_stiffness": 1.1}, "radius falls": {"radius_load": 0.004}}
 
@@ -34,7 +34,7 @@ def test_the_ramp_gives_pads_and_tyres_within_their_intervals(runs):
 
 def test_intervals_of_a_stop_hold_the_true_pads(runs):
     assert runs[2].valid.sum() > 100
-    assert np.mean(held(runs[2], 0.31, 0.27)) >= 0.9
+    assert np.mean(covered(runs[2], 0.31, 0.27)) >= 0.9
 
 
 def test_pads_and_tyres_that_differ_against_each_other_are_within_the_interval():

@@ -30,7 +30,7 @@ def test_block_means_are_numpys(rate, samples):
 
 @pytest.mark.parametrize("axle", ["f", "r"])
 def test_wheel_pressures_show_the_axle_that_brakes_alone(axle):
-    log = noisy(one_axle(IDEAL, axle, held=0.5e5), 0)
+    log = noisy(one_axle(IDEAL, axle, other=0.5e5), 0)
     assert braked_alone(log) == axle
     renamed = replace(log, name="ramp with both axles", source="both.csv")
     assert braked_alone(renamed) == axle

@@ -134,9 +134,11 @@ def test_the_delay_is_that_before_a_wheel_locks(delay):
 def test_wheel_pressures_that_do_not_follow_the_pedal_are_judged_by_the_deceleration():
     """A motor takes what it can before the brakes do; a car is held while its pedal is free."""
     log = made_run(ramp(start=4.0, rate=12.0), duration=10.0, speed=40.0)
-    left = np.maximum(log["p_mc"] - 15e5, 0.0)
-    torque = -12e3 * 0.3 * (log["p_mc"] - left) / 70e5 * 9.81
-    blended = changed(with_wheels(changed(log, p_mc=left)), p_mc=log["p_mc"], T_drive_f=torque)
+    friction_pressure = np.maximum(log["p_mc"] - 15e5, 0.0)
+    torque = -12e3 * 0.3 * (log["p_mc"] - friction_pressure) / 70e5 * 9.81
+    blended = changed(
+        with_wheels(changed(log, p_mc=friction_pressure)), p_mc=log["p_mc"], T_drive_f=torque
+    )
     held_pressure = np.where(log.time > 9.0, 25e5, 0.0)
     still = {x: np.where(log.time > 9.0, 0.0, log[x]) for x in ("v", "p_mc", "a_x", *OMEGAS)}
     parked = changed(with_wheels(log, lambda p: p + held_pressure), **still)

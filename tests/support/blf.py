@@ -23,11 +23,11 @@ def block(kind: int, content: bytes, size: int | None = None) -> bytes:
     return struct.pack("<4sHHLL", b"LOBJ", 32, 1, size or 16 + len(content), kind) + content
 
 
-def container(content: bytes, compressed: bool = False, stated: int | None = None) -> bytes:
-    """A container; ``stated`` replaces the size of its content."""
+def container(content: bytes, compressed: bool = False, declared: int | None = None) -> bytes:
+    """A container; ``declared`` replaces the size of its content."""
     packed = zlib.compress(content) if compressed else content
     head = struct.pack(
-        "<H6xL4x", 2 if compressed else 0, len(content) if stated is None else stated
+        "<H6xL4x", 2 if compressed else 0, len(content) if declared is None else declared
     )
     container_bytes = block(10, head + packed)
     return container_bytes + bytes(len(container_bytes) % 4)

@@ -71,10 +71,12 @@ def driven(effects, pressure=lambda t: 25e5, v0=30.0, *, duration=4.0, rate=200,
     return simulate(model, time, np.array([pressure(t) for t in time]), v0, **more)
 
 
-def on_the_plant(pressure=lambda t: 25e5, v0=30.0, *, duration=4.0, car=SEDAN, own=None, **plant):
+def on_the_plant(
+    pressure=lambda t: 25e5, v0=30.0, *, duration=4.0, car=SEDAN, wheel_pressure=None, **plant
+):
     """Drive the plant, which shares nothing with the simulation, the same way."""
     truth = Plant(car, tyre=magic(25.0, 0.9, 1.65), **plant)
-    return drive(truth, pressure, v0, duration=duration, wheel_pressure=own)
+    return drive(truth, pressure, v0, duration=duration, wheel_pressure=wheel_pressure)
 
 
 def apart(log, run, channel):

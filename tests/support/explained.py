@@ -20,14 +20,14 @@ from calib.logs.log import Log
 from tests.support.hidden.cases import HiddenCase
 
 
-def asked(vehicle: Vehicle, logs: Sequence[Log]) -> Problem:
+def problem_of_logs(vehicle: Vehicle, logs: Sequence[Log]) -> Problem:
     """The problem of some logs."""
     return problem_of(vehicle, [run_of(log) for log in logs])
 
 
-def asked_of(case: HiddenCase) -> Problem:
+def problem_of_case(case: HiddenCase) -> Problem:
     """The problem of the calibration logs."""
-    return asked(case.vehicle, case.calibration)
+    return problem_of_logs(case.vehicle, case.calibration)
 
 
 def fitted(problem: Problem, names: tuple[str, ...] = (), groups: Sequence[str] = ()) -> Fit:
@@ -41,12 +41,12 @@ def fitted(problem: Problem, names: tuple[str, ...] = (), groups: Sequence[str] 
 
 def based(case: HiddenCase) -> Fit:
     """The vehicle re-identified on the calibration logs, without effects."""
-    return fitted(asked_of(case))
+    return fitted(problem_of_case(case))
 
 
-def searched(vehicle: Vehicle, logs: Sequence[Log], held: Sequence[Log]) -> Search:
+def search_in(vehicle: Vehicle, logs: Sequence[Log], holdouts: Sequence[Log]) -> Search:
     """The search in some logs, judged by others."""
-    return run_search(asked(vehicle, logs), held)
+    return run_search(problem_of_logs(vehicle, logs), holdouts)
 
 
 def diagnosed(case: HiddenCase) -> Diagnosis:

@@ -27,16 +27,16 @@ def killed(call: Callable[[], object], number: int) -> bool:
 
 
 def _arm(number: int) -> None:
-    left = number
+    remaining = number
 
     def counted(name: str) -> Callable[..., object]:
         whole = getattr(os, name)
 
         def step(*arguments: object, **options: object) -> object:
-            nonlocal left
-            if left == 0:
+            nonlocal remaining
+            if remaining == 0:
                 os._exit(9)
-            left -= 1
+            remaining -= 1
             return whole(*arguments, **options)
 
         return step

@@ -66,16 +66,16 @@ SLOPE = {"f": 5e5, "r": 8e5}
 """Rise of the pressure [Pa/s]: to 0.43 g with the front axle, to 0.19 g with the rear one."""
 
 
-def one_axle(plant: Plant, axle: str, faster: float = 1.0, held: float = 0.0) -> Log:
-    """A ramp with the brakes of one axle, wheel pressures logged; the other is ``held`` [Pa].
+def one_axle(plant: Plant, axle: str, faster: float = 1.0, other: float = 0.0) -> Log:
+    """A ramp with the brakes of one axle, wheel pressures logged.
 
-    ``faster`` factor on the slope [1].
+    ``faster`` is a factor on the slope [1], ``other`` the pressure of the other axle [Pa].
     """
 
     def pressure(t: float) -> float:
         return faster * SLOPE[axle] * max(t - 1.5, 0.0)
 
-    wheel_traces = {w: pressure if w[0] == axle else lambda t: held for w in WHEELS}
+    wheel_traces = {w: pressure if w[0] == axle else lambda t: other for w in WHEELS}
     run = drive(plant, pressure, 33.0, duration=9.5, stop_speed=8.0, wheel_pressure=wheel_traces)
     return as_log(run, f"ramp_{axle}")
 
@@ -87,13 +87,15 @@ def stop(plant: Plant = REAL, pressure: float = 25e5, name: str = "stop", **how:
     return as_log(run, name)
 
 
-def held(e: Estimate, front: float = 0.38, rear: float = 0.38, of: str = "pads") -> list[float]:
+def covered(
+    e: Estimate, front: float = 0.38, rear: float = 0.38, quantity: str = "pads"
+) -> list[float]:
     """Shares of the valid samples whose interval holds the truth, front and rear [1].
 
-    ``of`` "change" for the change since the ramp.
+    ``quantity`` is "change" for the change since the ramp.
     """
     out = []
-    for x, true in ((f"{of}_f", front), (f"{of}_r", rear)):
+    for x, true in ((f"{quantity}_f", front), (f"{quantity}_r", rear)):
         answers = getattr(e.best, x)
         out.append(float(np.mean(((answers.lower <= true) & (true <= answers.upper))[e.valid])))
     return out

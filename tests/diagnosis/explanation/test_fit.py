@@ -16,7 +16,7 @@ from calib.diagnosis.explanation.unknowns import BASE_NAMES, LOW, RANDOM_EFFECTS
 from calib.diagnosis.replays import without_discrepancy
 from calib.model.sensor_noise import add_noise
 from tests.support.effect_runs import SEDAN
-from tests.support.explained import asked, asked_of, fitted
+from tests.support.explained import fitted, problem_of_case, problem_of_logs
 from tests.support.hidden.cases import HiddenCase, draw
 from tests.support.plant import Plant, magic
 from tests.support.reference_car import CAR, noisy, ramp, stop
@@ -37,7 +37,7 @@ def fading() -> Fit:
         pressed = np.clip(p, 0.0, 28e5)
         log = calib.simulate(model, time, pressed, 35.0, start_heat=(200.0, 150.0), name=name)
         logs.append(add_noise(log, len(logs)))
-    problem, hypothesis = asked(SEDAN, logs), Hypothesis((FADE,))
+    problem, hypothesis = problem_of_logs(SEDAN, logs), Hypothesis((FADE,))
     start = start_of(problem)
     u = np.zeros_like(start.random_effects)
     u[:, -2:] = 150.0, -40.0
@@ -90,7 +90,7 @@ def test_a_base_parameter_acts_at_its_lower_bound(fading, name):
 
 def hard(vehicle: Vehicle, plant: Plant) -> Problem:
     logs = (ramp(plant), stop(plant, 15e5, "light"), stop(plant, 70e5, "hard"))
-    return asked(vehicle, [noisy(log, seed) for seed, log in enumerate(logs, 1)])
+    return problem_of_logs(vehicle, [noisy(log, seed) for seed, log in enumerate(logs, 1)])
 
 
 def test_a_hard_stop_shows_a_peak_above_the_usual_one():
@@ -111,6 +111,6 @@ def drag() -> HiddenCase:
 
 
 def test_the_load_that_a_hidden_drag_moves_is_one_of_its_parameters(drag):
-    result = fitted(asked_of(drag), (DRAG,)).effects.parameters[DRAG]
+    result = fitted(problem_of_case(drag), (DRAG,)).effects.parameters[DRAG]
     assert result["load_share"] == pytest.approx(0.0, abs=0.2)
     assert result["drag_area"] == pytest.approx(drag.hidden.drag_area, rel=0.03)

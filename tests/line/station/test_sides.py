@@ -27,8 +27,8 @@ def with_imbalance(log, share, axle="f"):
 @pytest.mark.parametrize(("share", "axle"), [(-0.3, "f"), (0.2, "r")])
 def test_the_imbalance_is_found_on_a_straight_tyre(share, axle):
     log = with_imbalance(made_run(noise=0.0), share, axle)
-    left = log[f"omega_{axle}l"]
-    log = changed(log, **{f"omega_{axle}l": left * 1.003})  # a radius is no imbalance
+    omega = log[f"omega_{axle}l"]
+    log = changed(log, **{f"omega_{axle}l": omega * 1.003})  # a radius is no imbalance
     difference = side_difference(TABLE, Run(log), axle)
     of_other_axle = side_difference(TABLE, Run(log), "r" if axle == "f" else "f")
     assert difference == pytest.approx(share, abs=0.01)

@@ -117,7 +117,7 @@ REFUSED = {
     "no unpacked size": (blf([ONE], 1, unpacked=0), "did not finish"),
     "lost container": (two_of_three(False), "384 bytes"),
     "lost, packed": (two_of_three(True), "384 bytes"),
-    "content": (with_body(container(ONE, stated=90)), "48 of 90 bytes"),
+    "content": (with_body(container(ONE, declared=90)), "48 of 90 bytes"),
     "a frame of no size": (with_body(container(ONE[:8] + bytes(4) + ONE[12:])), "more frames"),
     "packed content": (ends_early(), "unpacked"),
     "unknown method": (with_body(block(10, struct.pack("<H6xL4x", 7, 48) + ONE)), ", 7,"),

@@ -133,8 +133,8 @@ def applications(p: Array) -> Array:
 def stuck(p: Array, most: float) -> Array:
     """What the pads are left with: a residual that drains within some 8 s of every application."""
     drain = np.exp(-STEP / 8.0)
-    out, left = np.empty_like(p), 0.0
+    out, residual = np.empty_like(p), 0.0
     for i, now in enumerate(p.tolist()):
-        left = max(left * drain, min(now, most))
-        out[i] = left
+        residual = max(residual * drain, min(now, most))
+        out[i] = residual
     return out

@@ -51,7 +51,7 @@ def coast(name: str, level: Range, rng: np.random.Generator) -> tuple[Shape, flo
     return np.zeros_like, round(float(duration), 2)
 
 
-def held(name: str, level: Range, rng: np.random.Generator) -> tuple[Shape, float]:
+def constant(name: str, level: Range, rng: np.random.Generator) -> tuple[Shape, float]:
     """One step, held."""
     z = rng.uniform(*level)
     return lambda t: z * smoothstep((t - BITE) / 0.25), 9.745
@@ -92,15 +92,15 @@ def wave(name: str, level: Range, rng: np.random.Generator) -> tuple[Shape, floa
 RUNS: dict[str, tuple[Callable[..., tuple[Shape, float]], Range, float, Range]] = {
     "coast": (coast, (27.0, 33.0), 40.0, FREE),
     "coast_slow": (coast, (10.8, 12.6), 40.0, FREE),
-    "hot": (held, (33.5, 38.5), 320.0, (0.345, 0.397)),
+    "hot": (constant, (33.5, 38.5), 320.0, (0.345, 0.397)),
     "ramp": (ramp, (30.0, 35.5), 60.0, FREE),
     "ramp_fast": (ramp, (24.5, 28.5), 80.0, FREE),
     "release": (pulses, (31.5, 37.0), 120.0, (0.225, 0.262)),
-    "step_high": (held, (28.5, 34.0), 180.0, (0.363, 0.430)),
-    "step_low": (held, (22.0, 26.0), 100.0, (0.145, 0.168)),
-    "hot_stop": (held, (33.0, 39.0), 300.0, (0.384, 0.462)),
+    "step_high": (constant, (28.5, 34.0), 180.0, (0.363, 0.430)),
+    "step_low": (constant, (22.0, 26.0), 100.0, (0.145, 0.168)),
+    "hot_stop": (constant, (33.0, 39.0), 300.0, (0.384, 0.462)),
     "mixed": (pulses, (31.4, 37.0), 90.0, (0.280, 0.324)),
-    "stop_a": (held, (27.0, 31.7), 70.0, (0.280, 0.322)),
+    "stop_a": (constant, (27.0, 31.7), 70.0, (0.280, 0.322)),
     "stop_b": (wave, (29.0, 35.2), 150.0, (0.248, 0.272)),
 }
 """Shape, speed [m/s] and temperature of all discs [degC] at the start, and the nominal
