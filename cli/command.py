@@ -37,7 +37,7 @@ class Answer:
     document: dict[str, Any]  # what --json prints, without its "schema"
     result: object = ""  # a text, facts, or a result that `calib.show.facts` knows
     exit_code: int = 0
-    out: Path | None = None  # the folder that was written; its name stands in the next step
+    out: Path | None = None  # the folder that was written, for the advice on the next command
 
 
 def _switch(text: str, *flags: str) -> Any:
@@ -176,7 +176,8 @@ def _typed(parameter: Parameter) -> Parameter:
     kind, info = parameter.annotation, parameter.default
     if get_origin(kind) is Annotated:
         kind, info = get_args(kind)
-    if isinstance(kind, str | ForwardRef):  # a quoted type: the path of its file is typed
+    # an annotation in quotes: the user types the path of a file, which `make` reads
+    if isinstance(kind, str | ForwardRef):
         kind = Path | None
     hint: Any = Annotated[kind if info.extra.typed is None else info.extra.typed, info]
     default = _default(hint, is_option=parameter.kind == Parameter.KEYWORD_ONLY)

@@ -28,20 +28,22 @@ class Shape:
     single: Annotated[bool, option(_SINGLE, None, "--float")]
     double: Annotated[bool, option(_DOUBLE)]
 
-    def precision(self, *, needs_code: bool) -> "Precision | None":
-        """Return the typed precision; if none was typed, None, or the default of C code."""
+    def precision(self, *, for_ecu: bool) -> "Precision | None":
+        """Return the typed precision; if none was typed, None, or single precision for an ECU.
+
+        ``--double`` only replaces that default.
+        """
         from calib.base.errors import ExchangeError
         from calib.table.exported import Precision
 
         if self.double and (self.single or self.bits):
             raise usage_error("not beside --float or --fixed-point", "--double")
         is_typed = self.points is not None or self.bits is not None or self.single
-        if not (is_typed or needs_code):
+        if not (is_typed or for_ecu):
             return None
-        # code is in single precision, if no other was typed
-        single = self.single or (needs_code and not self.double and self.bits is None)
+        single = self.single or (for_ecu and not self.double and self.bits is None)
         with at_option("--points, --fixed-point, --float", ExchangeError):
-            return Precision(self.points, self.bits, single, needs_code)
+            return Precision(self.points, self.bits, single, for_ecu)
 
 
 @command(
@@ -86,7 +88,7 @@ def export(
     written: Any
     with at_option(None, ExchangeError), writing(out):
         if is_code:
-            precision = shape.precision(needs_code=is_folder) or Precision()
+            precision = shape.precision(for_ecu=is_folder) or Precision()
             of_logs = stored.table.provenance.sample_time
             step = of_logs if sample_time is None else sample_time
             if step is None:
@@ -123,7 +125,7 @@ def compare(file: Path = argument("Exported DCM or CDF file.", "FILE"), *, store
     """Compare a DCM or CDF file with the table that it names.
 
     Another tool may have saved the file: labels are compared, and numbers that were rounded agree.
-    Exit code 3 if the file is cut off, damaged or names no table, 4 if it differs from the table.
+    Exit code 3 if the file cannot be read or names no table, 4 if it differs from the table.
     """
     from calib.exports.compare import difference, parent
     from calib.exports.read import read_back

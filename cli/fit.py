@@ -23,7 +23,7 @@ _TYRES, _PLAN = "calib.car.tyre_file:read_tyres", "calib.plan.achieved:read_plan
     report=True,
 )
 def fit(
-    logs: list[Path] = argument("Ramps, also with one axle only, coast logs and stops.", "LOG..."),
+    logs: list[Path] = argument("Ramps (of both axles or of one), coast logs and stops.", "LOG..."),
     *,
     vehicle: Car,
     model: KnownModel,

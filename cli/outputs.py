@@ -33,7 +33,7 @@ def check_file(out: Path, kind: str = "", option: str = OUT) -> None:
         "picture": ENDINGS,
         "drawing": (*ENDINGS, *PAGES),
         "page": PAGES,
-        "log": (*ENDINGS, *PAGES, *WRITERS),
+        "log": (*ENDINGS, *PAGES, *WRITERS),  # drawn, as a page, or as a log
         "simulation": (".csv", ".parquet"),
     }.get(kind, ())
     if endings and out.suffix.lower() not in endings:

@@ -75,7 +75,7 @@ def validate(
     if model is not None:
         car = with_effects(car, read_model(model, car))  # pads and tyres stay those of the table
     used_table = replace(stored.table, vehicle=car)
-    precision = shape.precision(needs_code=code is not None)
+    precision = shape.precision(for_ecu=code is not None)
     export_arguments = _exported(used_table, precision) if precision else {}
     runs: list[Log] = []
     results: list[Validation] = []

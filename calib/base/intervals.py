@@ -44,7 +44,7 @@ def noise_over(x: Array, longest: float) -> list[float]:
 
 
 def second_difference_model(white: float, walk: float, step_walk: float) -> tuple[Array, float]:
-    """Model the second differences of e, v less the integral of a_x, as a moving average.
+    """Model the second differences of e = v - integral of a_x as a moving average.
 
     e is the sum of white noise, a random walk, and a walk whose step is itself a random walk, as on
     a changing slope. The parameters are the variances of the white noise, of the steps of the
@@ -62,7 +62,7 @@ def second_difference_model(white: float, walk: float, step_walk: float) -> tupl
     # q + 1/q = y has the zero q = 2/(y + sqrt(y^2 - 4)) within the unit circle
     first, second = (2.0 / (y + cmath.sqrt(y + 2.0) * cmath.sqrt(y - 2.0)) for y in zeros_y)
     average = np.array([1.0, -(first + second).real, (first * second).real])
-    # the factor of q^2 in the spectrum is white, by the average it is variance * average[2]
+    # the coefficient of q^2 is ``white`` in the spectrum, variance * average[2] in the average's
     return average, math.sqrt(white / average[2])
 
 

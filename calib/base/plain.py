@@ -114,7 +114,7 @@ class Metric:
     cut: float = math.inf  # this value stands for all larger values [SI]
     judged: int = 0  # place in the station's order; 0 if the station does not judge the metric
     station: MetricLimits = _NO_LIMITS  # limits of `station` [SI]
-    validate: MetricLimits = _NO_LIMITS  # of `validate`, and of `station` if it has no limits [SI]
+    validate: MetricLimits = _NO_LIMITS  # of `validate`; of `station` where ``station`` has none
     required: bool = False  # whether an unknown value fails
     meaning: str = ""
     reason: str = ""  # why these limits

@@ -1,7 +1,8 @@
 """Describe a fit: its effects by name, its base, and the drive that separates it from a rival.
 
-The drive is the one in which the predictions of both fits differ most, less what pads, tyres and
-effects can explain, by a linear model of all logs and the drive, which is rough for large effects.
+The drive is the one in which the predictions of both fits differ most, without the part of the
+difference that other pads, tyres and sizes of effects would explain. A linear model of all logs
+and the drive gives that part; it is rough for large effects.
 """
 
 from collections.abc import Iterable
@@ -131,7 +132,7 @@ def _where(fit: Fit, name: str, without: Effects) -> Where:
         power = by_channel(change**2)
         heat = np.zeros_like(run.v) if run.temperature_f is None else run.temperature_f
         drivers = thinned(run, np.stack([run.p_mc, run.v, heat]))
-        rows.append(np.vstack([power, drivers[:, -power.shape[1] :]]))
+        rows.append(np.vstack([power, drivers[:, -power.shape[1] :]]))  # whitened: fewer samples
     power, drivers = np.split(np.hstack(rows), [len(CHANNELS)])  # of all runs, (6, n) and (3, n)
     pressure, speed, temperature = (_range_of(x, np.sum(power, axis=0)) for x in drivers)
     is_heat_logged = all(run.temperature_f is not None for run in fit.runs)
@@ -161,13 +162,15 @@ def _range_of(driver: Array, weight: Array) -> tuple[float, float]:
 def best_drive(fit: Fit, other: Fit) -> tuple[str, float]:
     """Return the drive that best separates two fits, and the distance of the fits then [sigma].
 
-    The distance is 1 over the sigma with which logs and drive show a share of the change.
+    The change from one fit to the other is one unknown, 0 for ``fit`` and 1 for ``other``. The
+    distance is 1 over the sigma with which logs and drive show that unknown.
     """
     problem = replace(fit.problem, runs=manoeuvres(fit))
     random_effects = np.zeros((len(problem.runs), len(RANDOM_EFFECTS)))
     state = replace(fit.state, random_effects=random_effects)
     driven = linearised(problem, fit.hypothesis, state)
     logs, drives = _products(fit, other), _products(driven, other)
+    # 1/sigma^2 of that unknown
     squares = [fit.marginal([*logs, drive]).eliminated()[0].item() for drive in drives]
     best = int(np.argmax(squares))
     return problem.runs[best].source, float(np.sqrt(max(squares[best], 0.0)))

@@ -3,9 +3,9 @@
     fit --trials--> changes of the innovations --promises--> hypotheses with their evidence
 
 A trial is an effect at a point of its parameters, which changes the innovations. In the linear
-model the changes are proportional to the amount of the trial. So the evidence of single effects,
-pairs and triples, with logs that differ in any groups of random effects, is linear algebra of some
-ten rows, with a column for each trial.
+model the changes are proportional to the amount of the trial. So the evidence of one to three
+effects, with any groups of random effects, follows by linear algebra from matrices with about ten
+rows and a column for each trial.
 """
 
 import math
@@ -27,7 +27,7 @@ from calib.diagnosis.explanation.unknowns import GROUPS, random_sigmas
 Names = NDArray[np.str_]
 
 _MAX_PAIRS = 40  # number of pairs to which a third effect is added
-_MIN_AMOUNT, _MAX_AMOUNT = 0.3, 4.0  # factors on the strength of a trial where a fit may begin [1]
+_MIN_AMOUNT, _MAX_AMOUNT = 0.3, 4.0  # limits of the amount of a trial at which a fit begins [1]
 
 
 @dataclass(frozen=True)
@@ -151,7 +151,7 @@ def _ranked(E: Array, g: Array, names: Names, most: int) -> list[_Subset]:
         for subset in sorted(wider, key=lambda s: -s.log_gain):
             best.setdefault(frozenset(names[list(subset.columns)]), subset)
         subsets += best.values()
-        if size == 0:
+        if size == 0:  # pairs begin at each trial, also at one that is not the best of its effect
             starts = [(k,) for k in range(g.size)]
         else:
             starts = [subset.columns for subset in list(best.values())[:_MAX_PAIRS]]

@@ -138,6 +138,8 @@ def _write_folder(
     texts |= {name: source(name, **facts) for name in _COPIED}
     texts["bte_vectors.h"] = _vectors(as_exported(table, how), sample_time, how, car)
     files = {name: text.encode() for name, text in texts.items()}
+    # The files for tools have the maps of the C code and the version, but no curves; those with
+    # addresses also have the scalars and the measured variables of the code.
     exported = build(stored, how.points, how.bits, first=first)
     version = replace(exported.scalars[0], fixed=None)  # "version", the first scalar
     common = replace(exported, curves=(), scalars=(version,), single=how.floating == 32)

@@ -47,7 +47,8 @@ def _variables(content: Content) -> Iterator[Variable]:
     """Return the variables of the FMU, in the order of their references."""
     for causality in ("input", "parameter", "output", "independent"):
         ends = _BOUNDS if content == "estimator" and causality == "output" else {"": ""}
-        alike = [x for x in VARIABLES.values() if causality in getattr(x, content)]
+        # a kind is causality and variability, such as "parameter fixed"; "" if not in this FMU
+        alike = [x for x in VARIABLES.values() if getattr(x, content).startswith(causality)]
         for x, (end, words) in product(alike, ends.items()):
             yield x._replace(name=x.name + end, meaning=x.meaning + words)
     reasons = "; ".join(f"{int(reason)} {reason.words}" for reason in Reason)

@@ -138,7 +138,7 @@ def export(
     prefix : first part of every label; the table's name if not given.
     elf : linked program with the C header (ELF), for the addresses of an a2l.
     unreleased : also write a version that is not released; the file then says so.
-    without_effects : known effects that an ECU cannot sense, so that its answers contain them.
+    without_effects : known effects that an ECU cannot sense and may ignore; its answers then err.
 
     Raises StoreError for a version that is not released, or has such effects that are not named;
     ExchangeError for a name that is no such effect, an unknown format, or a format that cannot hold
@@ -162,7 +162,7 @@ def export(
     form = _form_of(path, form)
     for is_given, feature, name in (
         (bits is not None, "fixed", "fixed point"),
-        (single, "fixed", "single precision"),
+        (single, "fixed", "single precision"),  # the same formats have both
         (elf is not None, "addressed", "addresses"),
     ):
         if is_given and not getattr(FORMATS[form], feature):

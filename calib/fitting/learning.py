@@ -116,7 +116,8 @@ def _log_likelihood_on(
 
     ``e`` has the peak of the road; ``stiffer`` and ``sigmas`` as in `_roads`.
     """
-    # mean unit slips (2, n, 2) at the peak and a step beyond, by the rows of eta: the first half
+    # Slips per compliance, means over the rows of eta: (2, n, 2) at the peak and a step beyond. Of
+    # the equations (n, unknowns, rows) those of eta are the first half.
     rows = [regression.equations(replace(e, peak=x * e.peak))[0] for x in (1.0, math.exp(_STEP))]
     slips = np.stack([np.abs(np.split(x[:, :2], 2, axis=-1)[0]).mean(axis=-1) for x in rows])
     by_peak = np.log(slips[1] / slips[0]) / _STEP * sigmas[0]  # (n, 2)
@@ -124,7 +125,7 @@ def _log_likelihood_on(
     alike = sigmas[1] ** 2 + float(STOP.a_x_scale.sigma[0]) ** 2
     apart = float(STOP.log_tyre.sigma[0]) ** 2 * np.eye(2)
     root_of_logs = np.linalg.cholesky(alike + apart + by_peak[:, :, None] * by_peak[:, None])
-    centre, root = e.linear, np.zeros((e.size, 3, 3))
+    centre, root = e.linear, np.zeros((e.size, 3, 3))  # `linear` makes a new array
     centre[:, :2] *= np.exp(-stiffer)[:, None]
     root[:, :2, :2] = centre[:, :2, None] * root_of_logs
     loaded, change = regression.loaded(e), np.zeros(e.size)  # change of ln of the pads' ratio

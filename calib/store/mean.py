@@ -1,7 +1,7 @@
 r"""The mean of the tables of k cars of one model: curves, pads, budget and maps.
 
     D(eta)   eta from 1 to where the shortest table ends;  D(1) = 0 in every car and in the mean
-    f1, f2   from the mean D at the load split of the mean z(eta), so (18) holds in every row
+    f1, f2   the mean D, divided by the axle loads at the mean z(eta): (18) holds in every row
     g(slip)  slip from 0 to where the shortest table ends
 
 Bands are for one more car. They count the scatter between cars, the error of the mean, the noise of
@@ -135,8 +135,8 @@ def mean_maps(tables: Sequence[Table]) -> tuple[PadMap, LevelMap, Draws]:
 def one_more(tables: Sequence[Table], size: int = _SIZE) -> Draws:
     """Return ``size`` draws of one more car, by a fixed random sequence.
 
-    Each car gives the same number of draws. T is cut at the 97.5 % quantile of Student's t, since
-    with few cars a larger T could make a compliance overflow.
+    Each car gives the same number of draws. T is limited to `quantile95`, an arbitrary bound: with
+    few cars a larger T could make a compliance overflow.
     """
     draws = [vars(table.draws) for table in tables]
     k, rng = len(draws), np.random.default_rng(42)

@@ -48,8 +48,9 @@ class Problem:
     def offset_columns(self) -> list[Array]:
         """Derivatives (2, n) of the innovations of each run by its slope [1] and zero [m/s^2].
 
-        The slope is the sine s of the road's angle, uphill positive. v falls g s t more, but a_x,
-        the specific force, does not change (Gillespie, Fundamentals of Vehicle Dynamics, ch. 1).
+        n counts the whitened samples of all channels. The slope is the sine s of the road's angle,
+        uphill positive: v falls by a further g s t, which the prediction lacks, but a_x, the
+        specific force, does not change (Gillespie, Fundamentals of Vehicle Dynamics, ch. 1).
         """
         columns = []
         for run in self.runs:
