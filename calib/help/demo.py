@@ -24,7 +24,7 @@ class Step:
 
     figure: str  # number of the paper's figure that the command draws, "" for none
     purpose: str
-    output: str  # path of the page or picture that the command writes, "" for none
+    leaves: str  # path of the page or picture that the command writes, "" for none
     expected: str  # text that a right answer contains
     line: str
 
@@ -67,7 +67,7 @@ def _table(caption: str, steps: Mapping[str, Step], ran: Mapping[Step, Ran], fol
     rows, verdicts, links, images = [], [], [], []
     for name, step in steps.items():
         passed = ran[step].passed
-        link = step.output if passed else ""
+        link = step.leaves if passed else ""
         rows.append((name, step.line, ran[step].answer))
         verdicts.append(PASSED if passed else FAILED)
         links.append(link)
