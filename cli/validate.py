@@ -46,11 +46,11 @@ def validate(
 ) -> Answer:
     """Run the estimator with a table on other logs, and judge it.
 
-    What is judged is the answer of an ECU, which has no speed over ground. --points, --fixed-point
-    and --float take the table as it is exported with them; --as ecu compiles the C code of `tables
-    export --format ecu` and runs it. A log with neither true torques nor the speed over ground v
-    proves nothing, and the answer says so. Exit code 0 if every log holds its limits, with warnings
-    or without; 1 if one does not, or the table was fitted on it.
+    What is judged is the answer of an ECU, which has no speed over ground. With --points,
+    --fixed-point or --float the table is first rounded as `tables export` rounds it; --as ecu
+    compiles the C code of `tables export --format ecu` and runs it. A log with neither true torques
+    nor the speed over ground v proves nothing, and the answer says so. Exit code 0 if every log
+    holds its limits, with warnings or without; 1 if one does not, or the table was fitted on it.
     """
     from dataclasses import replace
 
@@ -68,7 +68,7 @@ def validate(
         check_folder(out, [*(f"{stem}.parquet" for stem in stems_of(logs, "LOG")), SUMMARY])
     stored = store.load(table)
     signed.check(table, stored)
-    if vehicle is not None:
+    if vehicle is not None:  # gives the nominal pads of these logs; the car is that of the table
         file = this_run().file("vehicle")
         require_same_car(stored.table.vehicle, vehicle, file, weighed=mass is not None)
     car = with_own(stored.table.vehicle, effect)

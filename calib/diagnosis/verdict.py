@@ -1,14 +1,15 @@
 """From the search to a verdict: effects that are named, rivals, and whether something is left.
 
 `verdict_of` decides. Something is left if an empirical term is surely more probable, if the
-innovations have far more than noise, or if the replays of the hold-outs are far off. The named
+innovations are far larger than noise, or if the replays of the hold-outs are far off. The named
 effects are then dropped, and the cause is unknown, if a term alone is surely more probable than
 the effects, or if these close too little of the gap.
 
-`unexplained_of` describes what is left, with the best term. No term can follow what depends on the
-angle of the wheels, which start at another angle in every run, or what swings with a frequency of
-its own after every application, like liquid in a tank or a body on its springs. Both are looked for
-in the innovations. The excess is what the sum of squares of the innovations has beyond noise.
+`unexplained_of` describes what is left, with the best term. A term is a function of its driver, so
+it cannot follow two things: what goes with the angle of a wheel, which is another in every run, and
+what swings at its own frequency after each application, like liquid in a tank or a body on its
+springs. Both are looked for in the innovations. The excess of the innovations is the sum of their
+squares, less their number.
 """
 
 from collections.abc import Sequence
@@ -29,11 +30,13 @@ from calib.diagnosis.terms import PLAIN_LOSS, Ranked, ranked_terms, with_terms
 
 WHEEL_ANGLE, FREQUENCY, SLIP = "wheel_angle", "frequency", "slip"  # drivers that no term has
 
-_SURE_SCATTERS = 8.0  # scatters of the mean squared innovation from which something is surely left
+_SURE_SCATTERS = 8.0
+"""Standard deviations by which the mean squared innovation exceeds 1.01 if something is surely
+left."""
 _LEAST_CLOSED = 0.75  # share of gap and excess that effects must close if they leave something
 _FAR = 3.0
-"""Gap of the replays, in units of the noise, from which something is left beside named effects;
-twice that if nothing is named. With nothing hidden the errors of the parameters leave up to 4.2, on
+"""Gap of the replays, in units of the noise, from which something is left beside named effects. If
+nothing is named it is twice that, since then the errors of the parameters alone leave up to 4.2, on
 a plant with other tyre curves than here; see tests/studies/naming.py."""
 _HARMONICS = (1, 2)  # of the wheel's turn; run-out and uneven spacing show in the first ones
 _HELD_SLOPE = 0.5  # d ln(torque)/d ln(pressure) below which a torque is held [1]
@@ -41,8 +44,9 @@ _ONE_SIDED = 0.3  # share of the excess that one wheel must take to be named
 _LEAST_SHARE = 0.1  # share of the excess from which wheel angle or frequency may be the driver
 _WINDOW = round(4.0 / STEP)  # innovations in a window of 4 s
 _SLOWEST, _FASTEST = 2, 20
-"""First and last line of the spectrum that may swing, 0.5 and 5 Hz: an error that lasts for a stop
-is slower, a body on its springs swings at 1 to 2 Hz, a wheel is faster."""
+"""First and last line of the spectrum that may swing, 0.5 and 5 Hz; lines are 0.25 Hz apart. An
+error that lasts for a stop is slower, a body on its springs swings at 1 to 2 Hz, a wheel is
+faster."""
 _PEAK_RATIO = 3.0
 """Least power of a peak over that of the slower lines. An error after every application, such as
 that of a lag, is in all lines; a swing of 0.5 Hz or more has at most a fifth at 0.25 Hz."""
@@ -86,13 +90,15 @@ def verdict_of(search: Search) -> Verdict:
 
 
 def _last_closing(search: Search) -> tuple[Replayed, list[Ranked], list[Fit]]:
-    """Find the last accepted fit that closes the gap of the replays; the base if none does.
+    """Go back from the last accepted fit to the first that stands; the base always does.
 
-    A fit that leaves something must close the share `_LEAST_CLOSED` of the gap; any other fit must
-    not widen the gap. Return its replays, the ranked terms, and fits with terms for what is left.
+    A fit must not widen the gap of the replays; if it leaves something, it must close the share
+    `_LEAST_CLOSED` of the gap. Return its replays, the ranked terms, and fits with terms for what
+    is left.
     """
     candidates = search.accepted
-    with suppress(ModelError):  # if it cannot be replayed, the last one stays as it was accepted
+    # if the best fit cannot be replayed, its replays of when it was accepted stay
+    with suppress(ModelError):
         candidates = [*search.accepted[:-1], search.replayed(search.best)]
     for replayed in reversed(candidates):
         fit = replayed.fit
@@ -161,24 +167,25 @@ def held_from(term: EmpiricalTerm) -> float | None:
     p = np.array(term.knots)
     torque = p * (1.0 + np.array(term.values))  # up to a constant factor
     for i in range(2, p.size - 1):
+        # half the rise of a torque in proportion to the pressure
         held_rise = _HELD_SLOPE * torque[i] / p[i] * np.diff(p[i:])
         if np.all(np.diff(torque[i:]) < held_rise):
             return float(p[i])
     return None
 
 
-def plainest(fit: Fit, terms: Sequence[Fit]) -> Fit:
-    """Return the fit with the best of the ``terms``, the first, or a plain one if hardly worse.
+def plainest(fit: Fit, term_fits: Sequence[Fit]) -> Fit:
+    """Return the first, which is the best, of the fits with a term, or a plain one if hardly worse.
 
     A plain term has a single number: it is constant, or holds a torque.
     """
     margin = PLAIN_LOSS * _excess(fit) / fit.count
-    for with_term in terms:
+    for with_term in term_fits:
         (term,) = with_term.effects.terms
         is_plain = term.driver == "constant" or held_from(term) is not None
-        if is_plain and with_term.mean_square < terms[0].mean_square + margin:
+        if is_plain and with_term.mean_square < term_fits[0].mean_square + margin:
             return with_term
-    return terms[0]
+    return term_fits[0]
 
 
 def _excess(fit: Fit) -> float:
@@ -187,7 +194,10 @@ def _excess(fit: Fit) -> float:
 
 
 def unexplained_of(fit: Fit, with_term: Fit, size: float) -> Unexplained:
-    """Describe what ``fit`` leaves, by the same fit ``with_term``; ``size`` as in `Unexplained`."""
+    """Describe what ``fit`` leaves, by ``with_term``, the same fit with a term added.
+
+    ``size`` is as in `Unexplained`.
+    """
     excess, (term,) = _excess(fit), with_term.effects.terms
     explained = min((fit.mean_square - with_term.mean_square) * fit.count / excess, 1.0)
     pressure = held_from(term)
@@ -195,7 +205,7 @@ def unexplained_of(fit: Fit, with_term: Fit, size: float) -> Unexplained:
     turning, turning_axle = _turning(fit, whitened, excess)
     swing = oscillation_of(whitened, excess)
     holds_front = pressure is not None and PLACES[term.place] != "rear"
-    share_to_exceed = max(explained, _LEAST_SHARE)  # by a driver other than that of the term
+    share_to_exceed = max(explained, _LEAST_SHARE)  # by wheel angle or frequency, to be the driver
     causes = (  # share of the excess, driver, place
         (share_to_exceed, SLIP if holds_front else term.driver, term.place),
         (turning, WHEEL_ANGLE, term.place),
@@ -237,6 +247,7 @@ def oscillation_of(whitened: Sequence[Array], excess: float) -> Oscillation:
     power = np.sum(_power_of(windows, phase), axis=1)  # by channel and line
     lines = np.sum(power, axis=0)
     peak = _SLOWEST + int(np.argmax(lines[_SLOWEST:-1]))
+    # all slower lines but the neighbour of the peak
     if lines[peak] <= _PEAK_RATIO * np.max(lines[: max(peak - 1, _SLOWEST)]):
         return Oscillation(0.0, 0.0, body=False)
     near = slice(peak - 1, peak + 2)  # the peak and the lines beside it
@@ -251,7 +262,7 @@ def oscillation_of(whitened: Sequence[Array], excess: float) -> Oscillation:
 
 def _power_of(x: Array, phase: Array) -> Array:
     """Sum of squares (..., k) of innovations (..., n) that a wave of ``phase`` (k, n) explains."""
-    # a cosine and a sine explain 2 of noise alone
+    # noise of variance 1 gives 2 on average, 1 each by the cosine and the sine
     return np.asarray(2.0 * np.abs(x @ np.exp(1j * phase).T) ** 2 / x.shape[-1] - 2.0)
 
 

@@ -1,10 +1,10 @@
 """The structures of the C code: their text, and where a calibration tool finds their members.
 
-    names, units and meanings of Python --header--> bte.h, and the checksum of its text
-    calib/estimation/equations.py --code--> bte.c
-    the same names --calibrated, measured--> numbers of a car and members of `bte_state` in the A2L
+    `header`                   bte.h with the names, units and meanings of Python, and its checksum
+    `code`                     bte.c from calib/estimation/equations.py
+    `calibrated`, `measured`   numbers of a car, and members of `bte_state`, as entries of the A2L
 
-bte.h and bte.c are the same for every car of a precision.
+BTE is the brake torque estimator. bte.h and bte.c are the same for every car of a precision.
 """
 
 import inspect
@@ -33,8 +33,9 @@ from calib.table.exported import Precision
 _SERIES = {32: {"terms": 8, "largest": 87}, 64: {"terms": 14, "largest": 700}}
 """By bits of the floating point: terms of the series of exp and ln, largest argument of exp."""
 _NOT_IN_C = {"Sample": ["v", "log_odds", "driven"], "State": ["waiting", "held_ratio", "zero_slip"]}
-"""Members by class that only serve an estimate by v, or that bte.h declares by hand."""
-_STATE = "bte_estimator"  # name of the `bte_state` in the project of the ECU
+"""Members by class that are not generated: those that only serve an estimate with v, and those that
+the template of bte.h declares itself."""
+_STATE = "bte_estimator"  # name that an ECU's project must give its variable of the type bte_state
 _BYTES = {"UWORD": 2, "ULONG": 4, "FLOAT32_IEEE": 4, "FLOAT64_IEEE": 8}  # by type of A2L
 
 
@@ -66,17 +67,19 @@ def code(precision: Precision) -> str:
 
 def header(numbers: Iterable[Number], precision: Precision) -> tuple[str, str]:
     """Return bte.h with the ``numbers`` of a car, and its layout, the checksum of the text."""
-    parts = {type(x).__name__: x for _, x in members_of(State()) if is_dataclass(x)}
+    structures = {type(x).__name__: x for _, x in members_of(State()) if is_dataclass(x)}
     facts = {
         "real": "float" if precision.floating == 32 else "double", "cell": cell(precision),
         "reasons": [*Reason], "checks": [*CHECKS],
         "inputs": CHANNELS.values(), "answers": ANSWERS.values(), "numbers": numbers,
+        # sizes of arrays by `Number.parts`
         "sizes": {AXLES: "[BTE_AXLES]", tuple(CHANNELS): "[BTE_INPUTS]", (): ""},
-        "structures": {structure(name): _declared(x) for name, x in parts.items()},
+        "structures": {structure(name): _declared(x) for name, x in structures.items()},
         "filters": _declared(State()),
         "block": [name for name in Sample._fields if name not in _NOT_IN_C["Sample"]],
     }  # fmt: skip
-    text = source("bte.h", layout="LAYOUT", **facts)  # the checksum then replaces this word
+    # the checksum of the text with the word LAYOUT then takes the place of that word
+    text = source("bte.h", layout="LAYOUT", **facts)
     layout = f"0x{zlib.crc32(text.encode()):08X}U"
     return text.replace("BTE_LAYOUT LAYOUT", f"BTE_LAYOUT {layout}"), layout
 
@@ -121,7 +124,10 @@ def initial(value: Any, bits: int) -> str:
 
 
 def calibrated(numbers: Iterable[Number], first: str, size: int) -> list[Scalar]:
-    """Return the numbers of a car, of ``size`` bytes each, as FIRST_c_NUMBER and FIRST_version."""
+    """Return an entry of the A2L for each number of a car, with its place.
+
+    Labels are FIRST_c_NUMBER, that of the version FIRST_version; a number takes ``size`` bytes.
+    """
     scalars = list[Scalar]()
     for x in numbers:
         meaning, unit = _meaning_and_unit(x.comment, x.name)
@@ -136,7 +142,10 @@ def calibrated(numbers: Iterable[Number], first: str, size: int) -> list[Scalar]
 
 
 def measured(first: str, size: int) -> Iterator[Measured]:
-    """Return what a tool can measure in `bte_state`, as FIRST_NAME; numbers have ``size`` bytes."""
+    """Return what a tool can measure in `bte_state`, as FIRST_NAME; numbers have ``size`` bytes.
+
+    The order is that of the members in the template of bte.h, so that the offsets are right.
+    """
     offset, kind = 0, "FLOAT32_IEEE" if size == 4 else "FLOAT64_IEEE"
     for x in (*_counters(), *_numbers(kind)):
         offset += -offset % _BYTES[x.kind]  # as a compiler aligns it
@@ -146,7 +155,7 @@ def measured(first: str, size: int) -> Iterator[Measured]:
 
 
 def _counters() -> Iterator[Measured]:
-    """Return the reason, the layout, the bits of what fails, how often and how long it did."""
+    """Return reason, layout and bits of what fails; then by cause how long and how often it did."""
     causes = {**{name: f"sensor of {name}" for name in CHANNELS}, **CHECKS}
     reasons = "; ".join(f"{int(x)} {x.words}" for x in Reason)[:250]
     bits = f"bits of what fails, from the lowest: {' '.join(causes)}"[:250]

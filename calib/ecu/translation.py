@@ -13,7 +13,7 @@ These are the rules. Code without a rule raises ValueError.
     return Name(a, b)              a structure that is initialised, then returned
     if, return, x += ..., a call   the same
     x.a.b                          x->a.b, since all parameters with members are pointers
-    s.a of a `BlockState` s        the part of the state from which `block_state` makes it
+    s.a with a `BlockState` s      the expression that `block_state` passes for its field a
 
 The translation does not guard against all differences, such as 1/2, which is 0 in C. So the tests
 compare the numbers of both languages.
@@ -72,7 +72,7 @@ def structure(name: str) -> str:
 
 
 def _parts_of_view(definitions: dict[str, _Definition]) -> dict[str, str]:
-    """Remove the view, and return by its fields the parts of the state in C that it is made of."""
+    """Remove the view and its maker; return for each field the expression of C in its place."""
     if _VIEW not in definitions:
         return {}
     view, maker = definitions.pop(_VIEW), definitions.pop(_VIEW_MAKER)
@@ -106,7 +106,7 @@ def _definition(node: _Definition, parts: dict[str, str]) -> Iterator[str]:
 
 
 def _statements(body: Iterable[ast.stmt], undeclared: Counter[str]) -> Iterator[str]:
-    """Write statements; ``undeclared``: locals without a declaration, with their assignments."""
+    """Write statements; ``undeclared`` counts the assignments of locals not yet declared."""
     for node in body:
         match node:
             case ast.If():
@@ -135,7 +135,10 @@ def _statements(body: Iterable[ast.stmt], undeclared: Counter[str]) -> Iterator[
 
 
 def _pairs(target: ast.expr, value: ast.expr) -> list[tuple[ast.expr, ast.expr]]:
-    """Pair targets with values. Raises ValueError where C would assign before a value is read."""
+    """Pair targets with values, which C assigns one after the other.
+
+    Raises ValueError if a later value reads an earlier target.
+    """
     if not (isinstance(target, ast.Tuple) and isinstance(value, ast.Tuple)):
         return [(target, value)]
     pairs = [*zip(target.elts, value.elts, strict=True)]

@@ -40,7 +40,7 @@ _COLUMNS = {
     "log_slip": "mean of ln(slip/z)",
     "log_slip_sigma": "standard deviation of ln(slip/z)",
     "share": "share of the stops with this z that show such a shift",
-    "prior": "width of the bounds of the ratio over that before eta is read",
+    "prior": "width of the bounds of the ratio, divided by their width before eta is read",
 }
 _BOUNDS = ("_lower", "_upper")
 _FLAT = {"log_slip", "log_slip_sigma", "share"}  # constant along the last axis, written without it
@@ -57,9 +57,10 @@ def build(
 ) -> Dataset:
     """Return the data set of a version, with ``points`` breakpoints on each axis, or all rows.
 
-    ``bits`` of the fixed point, None for floating point. A map of more than ``most_axes`` is
-    sliced. Every label begins with ``first``, or with the table's name. Raises ExchangeError for
-    more points than rows, a width that C does not have, and a rounded axis that does not increase.
+    ``bits`` are those of the fixed point, None for floating point, which has 32 bits if ``single``.
+    A map of more than ``most_axes`` is sliced. Every label begins with ``first``, or with the
+    table's name. Raises ExchangeError for more points than rows, a width that C does not have, and
+    a rounded axis that does not increase.
     """
     table, precision = stored.table, Precision(points, bits, single)
     first = prefix(stored.name if first is None else first)
@@ -79,13 +80,14 @@ def build(
 
 def _curves_of(table: Table, first: str, precision: Precision) -> Iterator[tuple[Axis, list[Grid]]]:
     """Return each axis with its curves, at the rows that are breakpoints."""
-    p, d, g = table.paper, table.difference, table.tyre  # f1 and f2, D, force
+    p, d, g = table.paper, table.difference, table.tyre  # curves f1 and f2, D, and force of a tyre
     over_eta = {
         "f1": ("f1 = F_f - z", p.f1, p.f1_lower, p.f1_upper, p.count, p.flag),
         "f2": ("f2 = F_r - z", p.f2, p.f2_lower, p.f2_upper, p.count, p.flag),
         "D": ("D = F_f - F_r", d.D, d.lower, d.upper, d.count, d.flag),
     }
     over_slip = {"g": (_TYRE, g.force, g.lower, g.upper, g.count, g.flag)}
+    # shared: the axis serves several curves; origin: the value from which fixed point counts
     for name, meaning, x, shared, origin, curves in (
         ("eta", _ETA, p.eta, True, 1.0, over_eta),
         ("slip", "slip of the wheel", g.slip, False, 0.0, over_slip),
@@ -98,7 +100,7 @@ def _curves_of(table: Table, first: str, precision: Precision) -> Iterator[tuple
         axis = Axis(name, meaning, UNIT, values, fixed, shared, origin, rows=len(x), misfit=error)
         grids = []
         for column, (text, *all_rows) in curves.items():
-            median, low, high, count, flag = (x[rows] for x in all_rows)
+            median, low, high, count, flag = (values[rows] for values in all_rows)
             values, fixed = precision.numbers(median)
             head = label(first, column), text, UNIT
             grids.append(Grid(*head, values, fixed, column, (low, high), count, flag, axes=(axis,)))
@@ -108,8 +110,8 @@ def _curves_of(table: Table, first: str, precision: Precision) -> Iterator[tuple
 def _name(part: str, name: str) -> str:
     """Return the name of an axis or a column of a map in its label.
 
-    ``_0`` marks the prior, before eta is read. The slip of a map is ``slip_apart``, since the tyre
-    curve has an axis ``slip``.
+    `level_map` answers before eta is read: ``_0`` marks its ratio, the prior. The slip of a map is
+    ``slip_apart``, since the tyre curve has an axis ``slip``.
 
     >>> _name("map", "slip"), _name("level_map", "z"), _name("level_map", "ratio_lower")
     ('slip_apart', 'z_level', 'ratio_0_lower')
@@ -165,14 +167,14 @@ def _cut(grid: Grid, index: int) -> Grid:
     )
 
 
-def sliced(grid: Grid, rows: Sequence[float] = ()) -> list[Grid]:
-    """Return NAME_s1, NAME_s2, ...: a map at each of ``rows`` of its last axis, or at all."""
+def sliced(grid: Grid, values: Sequence[float] = ()) -> list[Grid]:
+    """Return NAME_s1, NAME_s2, ...: a map at each of ``values`` of its last axis, or at all."""
     return [
         replace(
             _cut(grid, grid.axis.numbers.index(x)), label=label(grid.label, f"s{i}"),
             meaning=f"{grid.meaning}, at {grid.axis.label} {x!r}",
         )
-        for i, x in enumerate(rows or grid.axis.numbers, 1)
+        for i, x in enumerate(values or grid.axis.numbers, 1)
     ]  # fmt: skip
 
 

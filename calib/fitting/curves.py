@@ -6,7 +6,7 @@ On a ramp z rises with time, so the curves have z as parameter. Nothing is binne
 noisy.
 
        eta            The rising branch ends at the peak of eta. Beyond the peak the same eta comes
-        |    __.      again, at a higher z and with another f1: f1 and f2 of Fig. 6 end there.
+        |    __.      again, at a higher z and with another f1: f1 and f2 end there.
         |  /    \
         | /
         +------- z
@@ -36,7 +36,7 @@ from calib.table.curves import (
 )
 
 _BAND = (0.5, 0.025, 0.975)  # quantiles: median and the middle 95 %
-_STILL_RISING = 0.00135  # largest share of draws without a peak: 3 standard deviations
+_STILL_RISING = 0.00135  # largest share of draws without a peak, the tail of a normal at 3 sigma
 
 
 def ramp_path(car: Vehicle, e: Ensemble, z: Array) -> SlipPrediction:
@@ -46,7 +46,7 @@ def ramp_path(car: Vehicle, e: Ensemble, z: Array) -> SlipPrediction:
 
 
 def find_peak(path: SlipPrediction) -> tuple[float, float, bool]:
-    """Return z and eta [1] at the peak of eta, and whether nearly all draws fall beyond it."""
+    """Return z and eta [1] at the peak of eta, and whether nearly all draws have a peak there."""
     top = int(np.argmax(path.eta))
     falls = np.quantile(path.eta_rise[:, top] - path.eta_rise[:, -1], _STILL_RISING) > 0.0
     return float(path.z[top]), float(path.eta[top]), bool(falls)
@@ -71,7 +71,10 @@ def difference_curves(
 
 
 def _measured_eta(car: Vehicle, run: RampRun, path: SlipPrediction) -> Array:
-    """Return eta [1] of the braked blocks (m,); where motors act, the eta by the brakes alone."""
+    """Return eta [1] of the braked blocks (m,).
+
+    Where motors act it is the eta that the brakes alone would make, read from the ``path``.
+    """
     b, braked = run.blocks, run.braked
     if np.any(b.drive_f[braked]) or np.any(b.drive_r[braked]):
         z = run.brake_rise[braked] / car.weight / (1.0 + sum(rotating_shares(car)))
@@ -83,8 +86,9 @@ def _measured_eta(car: Vehicle, run: RampRun, path: SlipPrediction) -> Array:
 def paper_of(car: Vehicle, d: DifferenceCurve, z: Array) -> PaperCurves:
     """Return f1(eta), f2(eta) from D(eta), with the loads at ``z`` (k,) [1].
 
-    f1 = D F_zr/F_z and f2 = -D F_zf/F_z, so (18) holds exactly, and f2 falls where D rises.
+    f1 = D F_zr/F_z and f2 = -D F_zf/F_z with F_z = F_zf + F_zr, so (18) holds exactly.
     """
+    # f2 falls where D rises, so its bounds change places
     (f1, f2), (f1_lower, f2_upper), (f1_upper, f2_lower) = (
         paper_curves(car, z, D) for D in (d.D, d.lower, d.upper)
     )
@@ -92,13 +96,14 @@ def paper_of(car: Vehicle, d: DifferenceCurve, z: Array) -> PaperCurves:
 
 
 def tyre_curve(e: Posterior, path: SlipPrediction, runs: list[RampRun]) -> TyreCurve:
-    """Return the normalised force over slip with half the weight on the axle.
+    """Return the normalised force over slip of a tyre that carries a quarter of the weight.
 
-    The curve ends at 1.1 times the force at the end of the ramp. The force of a draw is constant
-    beyond `NEAR_PEAK` of its peak.
+    Compliance and peak of the draws are those at this load. The curve ends at 1.1 times the force
+    at the end of the ramp. The force of a draw is constant beyond `NEAR_PEAK` of its peak.
     """
     last_force = 1.1 * float(np.median(np.max(path.forces, axis=0)[:, -1]))
-    # slip and force of each draw's mean tyre, (n, m) each
+    # slip and force of each draw's mean tyre, (n, m) each: slip = peak compliance X(force/peak),
+    # where X is the inverse of a mixture of forms
     use = np.linspace(0.0, NEAR_PEAK, 2 * SETTINGS.rows)  # force over its peak
     slip_scale = e.peak * np.sqrt(e.compliance_f * e.compliance_r)
     slips = slip_scale[:, None] * (inverse_forms(use) @ e.forms.T).T
@@ -131,7 +136,7 @@ def _columns(grid: Array, draws: Array, e: Posterior, measured: list[Array]) -> 
     count = np.count_nonzero(distance < 1.5 * (grid[1] - grid[0]), axis=1).astype(np.float64)
     enough = count >= SETTINGS.min_count
     flags = np.full(grid.size, EXTRAPOLATED)
-    # up to the last measured row all others are interpolated, since the first is known: 0
+    # rows before the last measured one are interpolated, since each curve begins at a known 0
     flags[: np.max(np.flatnonzero(enough), initial=-1) + 1] = INTERPOLATED
     flags[enough] = MEASURED
     parts = parts_of(draws.T, e.pulls)

@@ -1,9 +1,9 @@
 """Leave out the blocks of a ramp that a bump or a gear shift disturbs.
 
 On a ramp, eta and the force that the deceleration demands follow the pressure smoothly. A block is
-disturbed where one of the two is far off its smooth course. A disturbance that passes within the
-ramp would bend the tyre's curve, so its blocks are left out. A disturbance that lasts to the end of
-the ramp stays in.
+disturbed where one of the two is far off its smooth course. A temporary disturbance would bend the
+tyre's curve, so its blocks are left out. One that lasts to the end of the ramp may be the course of
+the tyres, so it stays in.
 """
 
 from dataclasses import replace
@@ -17,7 +17,7 @@ from calib.model.ramp import SETTINGS, RampRun, nominal_forces
 from calib.run.filters import true_intervals
 
 _MOST_FITS = 100  # largest number of least squares fits of a smooth course
-_CONVERGED = 1e-6  # largest change of a residual between two fits, over the limit [1]
+_CONVERGED = 1e-6  # largest change of a residual between two fits, relative to the limit [1]
 
 
 def without_disturbances(vehicle: Vehicle, run: RampRun) -> RampRun:
@@ -42,7 +42,7 @@ def without_disturbances(vehicle: Vehicle, run: RampRun) -> RampRun:
         force_limit = SETTINGS.disturbance_of_force * np.max(force)
         disturbed = _is_off([constant, N, N**2, N**3, rate, t], eta, eta_limit)
         disturbed |= _is_off([constant, N, N * t, rate], force, force_limit)
-        left_out[run.braked] = _passing(disturbed, N)
+        left_out[run.braked] = _temporary(disturbed, N)
     return replace(run, use=run.use & ~left_out, left_out=left_out)
 
 
@@ -64,11 +64,12 @@ def _is_off(terms: list[Array], y: Array, limit: float) -> Mask:
     return np.asarray(np.abs(residual) > max(limit, usual))
 
 
-def _passing(disturbed: Mask, N: Array) -> Mask:
-    """Whether a block (n,) is of a disturbance that passes, or next to one.
+def _temporary(disturbed: Mask, N: Array) -> Mask:
+    """Whether a block (n,) is of a temporary disturbance, or next to one.
 
-    A disturbance passes if there are enough blocks before it, after it, and at more nominal force
-    ``N`` than it has. Where such blocks are a large share of the ramp, none is marked.
+    A disturbance is temporary if enough blocks lie before and after it, and enough undisturbed
+    blocks have a larger nominal force ``N`` than any of its own. If such blocks are a large share
+    of the ramp, none is marked.
     """
     size, fewest = disturbed.size, SETTINGS.fewest_blocks // 5
     left_out = np.zeros_like(disturbed)

@@ -71,17 +71,18 @@ def fit(
         logs first, see `calib.run.known_effects`.
     logs : one ramp or more. Logs without braking serve as coast logs. Ramps on which one axle
         brakes alone, by its wheel pressures, separate tyres from pads. Logs that brake too fast for
-        a ramp are stops, see `calib.fitting.learning`.
+        a ramp are stops, which change the weights of the draws, see `calib.fitting.learning`.
     mass : of the car in these logs [kg], if it is not that of ``vehicle``. The table keeps the mass
         of the vehicle, since the next run may have another load.
-    bench : brake forces of the same pads on a roller brake tester: a prior of the pads' ratio,
-        which replaces that by the `pad_friction_tolerance` of the vehicle.
+    bench : brake forces of the same pads on a roller brake tester. They give the prior of the pads'
+        ratio, in place of the `pad_friction_tolerance` of the vehicle.
     tyre : file of the tyres of both axles, or those of the front and of the rear axle.
     fleet : tables of other cars of this model by name@version, see
         `calib.store.fleet.released_cars`.
 
-    Half of the prior comes from ``tyre`` and ``fleet``. Where the ramps contradict it, a warning
-    says so, and the table rests on the other half.
+    If they are given, ``tyre`` and ``fleet`` make half of the prior; the other half is that of cars
+    in general. Where the ramps contradict the first half, a warning says so, and the table rests on
+    the second.
 
     Raises LogError where no log is a ramp that can be used; BenchError where the forces on rollers
     lie on no line; TyreError for a file of another tyre; VehicleError where the logs contradict the
@@ -98,6 +99,8 @@ def fit(
 
     0.4 is what the simulation had [1].
     """
+    # vehicle is that of the file, driven has the mass of these logs, car lacks the known effects
+    # that are taken out of the logs
     driven, used = with_mass(vehicle, mass), mass_used(vehicle, mass)
     pad_prior = pad_ratio_prior(driven, bench)
     priors = informative_priors(driven, tyre, fleet or {})
@@ -116,7 +119,8 @@ def fit(
     ensemble, figures = explained(car, runs, ratio_prior, priors, refused, [*mistakes, *moves_eta])
     ensemble, by_stops = learn(car, ensemble, runs_of_stops)
     support = list(zip(priors, ensemble.prior_support.tolist(), strict=True))
-    quarter = ensemble.take_with_pulls(slice(None, None, 4))  # enough draws for curves
+    # every fourth draw is enough for curves; pulls are the errors of the draws by cause
+    quarter = ensemble.take_with_pulls(slice(None, None, 4))
     path, z_end = _path(car, quarter, full, refused)
     pads, budget = _calibration(car, ensemble, full, resistance)
     disagree = any(warning.code in ("a_x_scale", "a_x_against_v") for warning in warnings)
@@ -156,7 +160,10 @@ def fit(
 def _mistakes(
     causes: Sequence[Cause], runs: Sequence[RampRun], refused: Callable[..., LogError]
 ) -> tuple[PlausibilityWarning, ...]:
-    """Return warnings of mistakes that explain the ramps. Raises ``refused`` for a certain one."""
+    """Return warnings of mistakes that explain the ramps.
+
+    Raises the error that ``refused`` makes if the ramps certainly hold a mistake.
+    """
     mistakes, logs = tuple(measured(causes)), ", ".join(run.name for run in runs)
     refusals = rule_warnings(logs, mistakes, FIT, (REFUSE,)) if certain(causes) else ()
     if refusals:
@@ -172,7 +179,8 @@ def _ready(
 ) -> tuple[list[RampRun], list[RampRun], Resistance]:
     """Return ramps and stops ready to fit, and the resistance by ramps and coasts.
 
-    The accelerometers are corrected first, with the resistance of usual cars and its spread.
+    The accelerometers are corrected first, with the resistance of usual cars and its spread, since
+    that of this car is not known yet.
     """
     usual = identify_resistance(car, ())
     sensors = {run: run.accelerometer(usual) for run in (*ramps, *coasts, *stops)}
@@ -203,7 +211,11 @@ def _path(
 def _calibration(
     car: Vehicle, e: Posterior, runs: list[RampRun], resistance: Resistance
 ) -> tuple[Calibration, TableBudget]:
-    """Return pads and stiffness with their budget, by the draws ``e`` and the sum of forces."""
+    """Return pads and stiffness with their budget.
+
+    The ratio of the pads and the stiffness come from the draws ``e``, the level of the pads from
+    the sum of the brake forces.
+    """
     log_stiffness = -0.5 * np.log(e.compliance_f * e.compliance_r)  # geometric mean of the axles
     logs = np.stack([e.log_pad_ratio, log_stiffness])  # (2, n)
     sigmas = np.sqrt(np.diag(np.cov(logs, bias=True))).tolist()

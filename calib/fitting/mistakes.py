@@ -2,7 +2,9 @@
 
     ln odds = ln prior odds + ln evidence - ln evidence of no mistake
 
-See `calib.fitting.evidence` for the evidence and `calib.fitting.hypotheses` for the list.
+See `calib.fitting.evidence` for the evidence and `calib.fitting.hypotheses` for the list. A
+hypothesis with a code is a mistake; those without are "nothing wrong" and other pads. Mistakes are
+screened with few draws, and the likely ones are computed with all.
 A mistake is named only where it explains the ramp well, and better than "nothing wrong" does. Two
 mistakes at once are not considered, and a wrong gain of p_mc looks like other pads.
 """
@@ -22,7 +24,7 @@ from calib.model.ramp import RampRun
 
 _EXPLAINED, _MOSTLY, _GAIN = 2.5, 8.0, 2.5
 """A hypothesis explains the ramp if its `Cause.misfit` is below `_EXPLAINED`; or below `_MOSTLY`,
-and below the misfit of "nothing wrong" over `_GAIN`."""
+and below 1/`_GAIN` of the misfit of "nothing wrong"."""
 
 _IN_WORDS = {
     MOTOR: "a motor that brakes the {axle} wheels by up to {size:.0f} N m, and is not logged",
@@ -53,7 +55,8 @@ def causes_of(car: Vehicle, runs: Sequence[RampRun], other_road: bool = False) -
 def _threshold(pads: Sequence[Cause], screened: Sequence[Cause], other_road: bool) -> float:
     """Return ln of the odds above which a screened mistake is computed with all draws.
 
-    It is infinite on an ``other_road`` where no mistake explains the run better than other pads do.
+    It is infinite on an ``other_road`` where no mistake explains the run clearly better than other
+    pads do.
     """
     best_pads = max(pads, key=lambda cause: cause.log_odds)
     best_mistake = max((cause.log_odds for cause in screened), default=NEVER)
@@ -64,7 +67,7 @@ def _threshold(pads: Sequence[Cause], screened: Sequence[Cause], other_road: boo
 
 
 def _decisive(best: Cause) -> float:
-    """Return the difference of ln of the odds that decides; a misfit makes odds less certain."""
+    """Return the difference of ln of the odds that decides: larger if the best one fits badly."""
     return LIKELY_LOG_ODDS * max(best.misfit, 1.0)
 
 

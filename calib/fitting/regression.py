@@ -2,11 +2,12 @@
 
     (eta - 1, slip) = H (c_f, c_r, fall) + error
 
-The unknowns are the compliances c of the axles and the fall of the radii with load. The design
-matrix H follows from the draw: forces over loads, and the form of the tyres. The error has a known
+The unknowns are the compliances c = 1/K of the axles, slip per normalised force, and the fall of
+the radii with load. slip is that of the car, the mean of the axles by load. The design matrix H
+follows from the draw: forces over loads, and the form of the tyres. The error has a known
 covariance: noise of the sensors, zeros and clock of the run, scale of a_x, and a correlated
-discrepancy of the form, since no tyre is a mean of published ones (Brynjarsdottir and O'Hagan 2014,
-doi:10.1088/0266-5611/30/11/114007).
+discrepancy of the form, since a real tyre has not the mean form of the published ones
+(Brynjarsdottir and O'Hagan 2014, doi:10.1088/0266-5611/30/11/114007).
 
 `_Ramp` has the data of one ramp with their errors, `Regression` those of all ramps, `Solution` the
 result. Shapes: n draws, k rows of a ramp or of all ramps, s variants of the runs. A variant is a
@@ -28,7 +29,7 @@ from calib.fitting.ensemble import DEPART_AT, Ensemble, LoadedTyres, loaded_tyre
 from calib.model.ramp import RampRun
 from calib.run.filters import GroupMean
 
-_GROUPS = 14  # groups of blocks of a ramp: a discrepancy is about two of them long
+_GROUPS = 14  # a ramp is averaged in this many groups; a discrepancy is alike over two of them
 _GRADE = 0.001  # random walk of the road's grade plus the bias of a_x [1/sqrt(s)]
 _CLOCK = 0.01  # standard deviation of the delay of v after the wheels [s]
 _DRIFT = 5e-5  # standard deviation of the drift of eta's zero since the lead-in [1]
@@ -36,11 +37,14 @@ _FINEST = 5e-4  # eta - 1 or slip below which the discrepancy no longer shrinks 
 _ROUGH = 0.02  # uncorrelated share of the variance of the discrepancy
 
 _DISCREPANCY = {"eta": CAR.form_error_eta.mean, "slip": CAR.form_error_slip.mean}
-"""By kind of rows, in their order: standard deviation of the discrepancy over eta - 1, slip [1]."""
+"""Standard deviation of the discrepancy, relative to eta - 1 or slip [1], in the order of rows."""
 
 
 class _Ramp:
-    """The data of one ramp as means [1]: over the lead-in, for the zeros, and over k groups."""
+    """The data of one ramp as means [1].
+
+    Index 0 is the lead-in, which gives the zeros; 1 to k are groups of blocks.
+    """
 
     z: Array  # deceleration (1 + k,)
     only: str | None  # axle that brakes alone, None if both brake
@@ -49,7 +53,7 @@ class _Ramp:
     log_odds: Array  # ln of front over rear pressure (..., 1 + k)
     measured: Array  # eta - 1 and slip of the groups (..., 2, k)
     errors: tuple[dict[str, Array], dict[str, Array]]
-    """Errors of eta and of slip by cause (k, m): each column has one standard deviation."""
+    """Errors of eta and of slip by cause (k, m): a column is one independent error of one sigma."""
 
     def __init__(self, car: Vehicle, run: RampRun, groups: int | None) -> None:
         braked, lead = np.flatnonzero(run.braked), run.rolling
@@ -115,21 +119,21 @@ def _slip_by_acceleration(
 ) -> tuple[Array, dict[str, Array]]:
     """Return the slip (k,) by a speed from a_x, where v is not logged, and its errors by cause.
 
-    v = v_0 - g int (1 - e) (z - o) dt, with scale e and offset o of a_x. As the car slows, slip
-    contributes less to v - R omega and e contributes more, so slip and e are observable. ``mean``
-    averages over the lead-in and over groups, whose ``length`` is (k,) [s]; ``eta_zero`` is eta on
-    the lead-in [1].
+    v = v_0 - g int (1 - e) (z - o) dt, with scale e and offset o of a_x. v - R omega is slip times
+    v, which falls as the car slows, and the error by e, which grows, so both are observable.
+    ``mean`` averages over the lead-in and over groups, whose ``length`` is (k,) [s]; ``eta_zero``
+    is eta on the lead-in [1].
     """
     b, noise, lead, R = run.blocks, run.noise, run.rolling, car.front.rolling_radius
     rear_share = 1.0 - run.load_f / car.weight
-    # R omega, as mean of the axles by load: eta is the ratio of rear to front [m/s]
+    # R omega, the mean of the axles by load [m/s]: the rear one is eta/eta_zero times the front one
     rim = R * b.omega_f * (1.0 + rear_share * (b.eta / eta_zero - 1.0))
     time = b.end - b.end[lead[-1]]
     slope, v_0 = np.polyfit(time[lead], rim[lead], 1)
     offset = np.mean(b.z[lead]) + slope / G
     lost = np.cumsum(np.where(time > 0.0, G * (b.z - offset) * b.length, 0.0))
     # means of the groups: time [s], speed lost by a_x [m/s], R omega [m/s], z [1]
-    t, fall, u, z = (mean(x)[1:] for x in (time, lost, rim, b.z))
+    t, lost_speed, u, z = (mean(x)[1:] for x in (time, lost, rim, b.z))
     v = u * (1.0 + CAR.compliance.mean * z)
     wheel, rolled = noise.omega * R, lead.size * b.length
     # covariance of the speed at times s <= t: the integral of white noise n has n^2 s, that of a
@@ -140,15 +144,15 @@ def _slip_by_acceleration(
     # zeros: the line through the lead-in has independent errors of its middle and of its slope
     of_slope = np.sqrt(12.0) * wheel / rolled * (t + 0.5 * rolled)
     zeros = np.stack([of_slope, np.full_like(t, wheel), G * noise.z * t]) / np.sqrt(rolled)
-    return (v_0 - (1.0 - LOG.a_x_scale.mean) * fall - u) / v, {
+    return (v_0 - (1.0 - LOG.a_x_scale.mean) * lost_speed - u) / v, {
         "noise": np.linalg.cholesky(covariance / np.outer(v, v)),
         "zeros": (zeros / v).T,
-        "accelerometer": (-fall * LOG.a_x_scale.sigma / v)[:, None],
+        "accelerometer": (-lost_speed * LOG.a_x_scale.sigma / v)[:, None],
     }
 
 
 class Solution(NamedTuple):
-    """Posterior of the linear parameters of draws (..., n), in standard normal numbers x (3,)."""
+    """Posterior of the linear parameters of each draw, whose prior is standard normal in x (3,)."""
 
     log_evidence: Array  # ln of the likelihood of a draw (..., n)
     mean: Array  # of x (..., n, 3)
@@ -170,7 +174,7 @@ class Regression:
 
     ramps: list[_Ramp]
     errors: dict[str, Array]
-    """Errors of the rows by part of a budget (k, m): each column has one standard deviation."""
+    """Errors of the rows by part of a budget (k, m): a column is an independent error, 1 sigma."""
     white: Array  # matrix that whitens the rows (k, k)
     z: Array  # deceleration of each row (k,) [1]
     discrepancy_sizes: dict[str, Array]
@@ -188,7 +192,7 @@ class Regression:
         kind, size = np.concatenate(kinds), np.concatenate(sizes)
         self.z = np.concatenate([np.tile(ramp.z[1:], 2) for ramp in self.ramps])
         self.discrepancy_sizes = {name: size * (kind == f"{name} both") for name in _DISCREPANCY}
-        # rows of two kinds, and of ramps with other braked axles, have independent discrepancies
+        # ramps with the same braked axles share a discrepancy; eta and slip have independent ones
         correlation = _correlation(self.z, self.z) * (kind[:, None] == kind)
         discrepancy = size[:, None] * size * (correlation + _ROUGH * np.eye(size.size))
         self.errors = {
@@ -229,8 +233,9 @@ class Regression:
     ) -> tuple[Array, Mask]:
         """Return design matrix with data, (..., n, 4, k), and whether both axles roll (..., n).
 
-        On the axis of 4 stand the factors of front compliance, rear compliance and fall of the
-        radii, then the data. ``loaded`` are the tyres of the draws ``e``, if they are known.
+        The rows of the axis of 4 are the coefficients of front compliance, of rear compliance and
+        of the fall of the radii, then the data. ``loaded`` are the tyres of the draws ``e``, if
+        they are known.
         """
         pairs = zip(self.ramps, loaded or self.loaded(e), strict=True)
         parts, rolls = zip(*(self._equations_of(r, e, tyres) for r, tyres in pairs), strict=True)
@@ -249,7 +254,8 @@ class Regression:
         of_eta[..., 0, :] = slips[..., 0, :, :]
         of_eta[..., 1, :] = -slips[..., 1, :, :]
         of_eta[..., 2, :] = load_rise[1] - load_rise[0]
-        # (eta - 1) (1 - slip_f) is linear in the compliances; its slip_f has the mean compliance
+        # (eta - 1) (1 - slip_f) = slip_f - slip_r is linear in the compliances; in the small slip_f
+        # on the left the compliance is the prior mean
         of_eta[..., 3, :] = ramp.measured[..., :1, :] * (1.0 - CAR.compliance.mean * front)
         of_slip[..., :2, :] = (load * slips).swapaxes(-3, -2)
         of_slip[..., 2, :] = -np.sum(load * load_rise, axis=0)
@@ -265,15 +271,18 @@ class Regression:
         *,
         beyond_peak: bool = False,
     ) -> Solution:
-        """Integrate over linear parameters ``centre`` (n, 3) + ``root`` (n, 3, 3) x, x normal (3,).
+        """Integrate over the linear parameters, with the prior ``centre`` + ``root`` x.
 
+        ``centre`` is (n, 3), ``root`` (n, 3, 3), x (3,) standard normal.
         ``loaded`` as in `equations`. A draw with a tyre beyond its peak has no likelihood, unless
         ``beyond_peak``: then it has the slip of the peak.
         """
         rows, rolls = self.equations(e, loaded)
         # to_x turns factors of the parameters into those of x, and the data y into y - H centre
         to_x = np.zeros((e.size, 4, 4))
-        to_x[:, :3, :3], to_x[:, 3, :3], to_x[:, 3, 3] = root.transpose(0, 2, 1), -centre, 1.0
+        to_x[:, :3, :3] = root.transpose(0, 2, 1)
+        to_x[:, 3, :3] = -centre
+        to_x[:, 3, 3] = 1.0
         white: Array = to_x @ (rows @ self.white.T)
         # with whitened H and y: A = 1 + H'H, mean = A^-1 H'y, and
         # ln evidence = -(y'y - mean' H'y + ln det A)/2, up to a constant
@@ -301,7 +310,7 @@ class Regression:
         """
         clock, near = self.white @ self._errors_by("clock"), _correlation(self.z, DEPART_AT)
         count = clock.shape[1]
-        # the delays given the residuals r, with C = clock: mean C'r, covariance 1 - C'C
+        # the delays given the white residuals r, with C = clock: mean C'r, covariance 1 - C'C
         root = np.linalg.cholesky(np.eye(count) - clock.T @ clock)
         late = residual @ clock + rng.standard_normal((len(residual), count)) @ root.T  # (n, m)
         return {"v_late": _CLOCK * np.sum(late, axis=1) / max(count, 1)} | {

@@ -69,7 +69,7 @@ def read_whole(path: Path, channel_map: ChannelMap | None = None) -> WholeLog:
         if isinstance(opened.source, Recording):
             refuse_mapped_time(assigned, channel_map)
         source = as_table(opened.source, str(path), by_index)
-    # the map ignores columns whose names would make them channels, so they are left out here, too
+    # columns that the map ignores have a name that is wrong, so they are left out here, too
     ignore = channel_map.ignore if channel_map else ()
     columns, notes = list[WholeColumn](), list[str]()
     names = {item.channel for item in by_index.values()}

@@ -28,15 +28,15 @@ from calib.run.driving_record import SETTLE
 from calib.run.pedal import as_pressed
 
 STEP = 0.005
-"""Longest step dt of the solver [s]. The backward difference of the wheel speeds is dt/2 late. A
-change b of the deceleration then puts v off by m b dt/2, with the share m of rotating masses: by
-0.0005 m/s for b = 5 m/s^2 and m = 4 %. With dt = 0.025 s, v would be off by 0.0024 m/s, which a
-noise-free log shows (tests/model/test_replay.py)."""
+"""Longest step dt of the solver [s]. The solver differentiates wheel speeds backwards, which is
+dt/2 late. If the deceleration changes by b, v is then wrong by m b dt/2, where m is the share of
+the rotating masses: by 0.0005 m/s for b = 5 m/s^2 and m = 4 %. With dt = 0.025 s it would be
+0.0025 m/s, which a noise-free log shows (tests/model/test_replay.py)."""
 
 _FIRST_SECONDS, COAST_SECONDS = 0.25, 1.5
-"""Shortest and longest time over which the first speed is fitted by a line [s]. Within 0.25 s a
-beginning braking changes v by less than 0.01 m/s, and 0.02 m/s of noise becomes 0.006 m/s; within
-1.5 s drag bends v by 0.001 m/s."""
+"""Shortest and longest time over which the first speed is fitted by a line [s]. In the shortest a
+beginning braking changes v by less than 0.01 m/s, and 0.02 m/s of noise becomes 0.006 m/s; in the
+longest drag bends v by 0.001 m/s."""
 
 
 def simulate(
@@ -100,6 +100,7 @@ def simulate(
     engine = _interpolated(time, clock, drive_torque, AXLES)
     angle = _interpolated(time, clock, wheel_angle, AXLES)
     driven = replace(model, vehicle=as_driven(model.vehicle, model.effects))
+    # the history before the speed is solved
     inputs = constant_speed(clock, pedal["p_mc"], v0, discs, name, start_heat)
     no_torque = np.zeros_like(clock)
     torque = (engine.get("f", no_torque), engine.get("r", no_torque))
@@ -157,9 +158,9 @@ def first_speed(log: Log, vehicle: Vehicle, delay: float = 0.0) -> float:
     """Speed [m/s] at the first sample, from a straight line through the first samples of ``v``.
 
     Without ``v`` the line goes through the mean of R omega over the wheels, which is too low by
-    their slip if the log begins with braking. ``v`` is read late by ``delay`` [s]: the first speed
-    shows only then. Without ``p_mc`` the log counts as braked from its first sample. Raises
-    LogError if there are not two finite samples.
+    their slip if the log begins with braking. The sensor of ``v`` shows the first speed only after
+    its ``delay`` [s], so the line is read there. Without ``p_mc`` the log counts as braked from its
+    first sample. Raises LogError if there are not two finite samples.
     """
     elapsed = log.time - log.time[0]
     braked = np.flatnonzero(log["p_mc"] > BITE) if "p_mc" in log else np.array([0])
@@ -210,6 +211,7 @@ def _channels(run: Drive, state: SolverState, history: RunHistory) -> dict[str, 
     motion = Motion(v, *state.loads, history)
     factors = wheel_speed_factors(model.vehicle, effects, motion)
     for w in WHEELS:
+        # where left and right are alike, the twin of both was solved
         slip = model.tyre.wheel_slip(state.slip[brakes.twin(w)], v, run.time)
         omega = forces.wheel_speed(brakes.axle(w), slip, state.v)
         omega = delayed(run.time, omega, reading_delay(effects, "wheel_speed_delay"))

@@ -20,22 +20,26 @@ from calib.run.driving_record import NOMINAL_RADIUS
 from calib.run.lateral import lateral, sides
 
 _SLOPE_CHANGES = 0.5  # probability of a changing slope from which a_x is compared with v [1]
-_MOTOR, LEAST_ODDS = 0.67, 0.01
-"""Posterior odds from which a motor is reported [1], low because an unreported motor moves the
-pads; least prior odds, also where the vehicle file excludes a motor."""
-_FORCE = 0.1  # prior sigma of a motor's force over the usual brake force [1], which is 0.03 to 0.3
-_USUAL, _FADING = 0.015, 0.02
-"""Sigma, without a motor, of a force without pressure, by bite of the pads and zero of p_mc (0.5 of
-30 bar), and of one that fades with the speed, by slow noise in the half second below 3 m/s [1]."""
+_MOTOR = 0.67
+"""Posterior odds from which a motor is reported [1]; low, since a motor that is not reported would
+be taken for other pads."""
+LEAST_ODDS = 0.01  # least prior odds of a motor, even where the vehicle file says there is none [1]
+_FORCE = 0.1  # prior sigma of a motor's force over the usual brake force [1]; usual: 0.03 to 0.3
+_USUAL = 0.015
+"""Sigma of a force without pressure where there is no motor, over the brake force [1]: the bite of
+the pads, and an error of 0.5 bar in 30 of the zero of p_mc."""
+_FADING = 0.02
+"""Sigma of a force that fades with the speed where there is no motor, over the brake force [1]:
+slow noise in the half second below 3 m/s."""
 _UPRIGHT = 0.1  # largest deceleration for a bend [1]: above it the inner wheels slip more
-_LEAST_Z = 0.1  # least usual deceleration of a braking [1], to which the noise of z is related
+_LEAST_Z = 0.1  # the noise of z is divided by the usual z of a braking, at least by this [1]
 _STEP_NOISE = 3.2
 """Sigma of the difference of two medians over 0.3 s, over the density of the noise [1/s^0.5]: that
 of a median is 1.25 times that of a mean, and 1.25 sqrt(2/0.3) is 3.2."""
 
 
 def bend(evidence: Evidence) -> Iterator[Measured]:
-    """Mean lateral acceleration [m/s^2], measured only if ``straight`` runs show the radii."""
+    """Mean lateral acceleration [m/s^2]; it needs ``straight`` runs, which show the radii."""
     run, s = evidence.run, evidence.run.signals
     upright = (s.speed > MOVING) & (s.z < _UPRIGHT)
     if evidence.straight and upright.any():
@@ -56,7 +60,7 @@ def accelerometer(evidence: Evidence) -> Iterator[Measured]:
         scale = sensor.scale / (1.0 - sensor.scale)
         yield Measured("a_x_scale", scale, math.sqrt(sensor.variance_scale))
     if sensor.walk_probability > _SLOPE_CHANGES:
-        # a_x and v are compared by their means over 1 s
+        # the change of v over 1 s, between two blocks, is compared with the mean of a_x
         sigma = math.hypot(run.noise.z, math.sqrt(2.0 / BLOCK) * run.noise.v / G)
         yield Measured("a_x_against_v", sensor.disagreement, sigma)
     yield Measured("a_x_offset", -G * sensor.bias, G * math.sqrt(sensor.variance_bias))
@@ -73,9 +77,9 @@ def a_x_late(evidence: Evidence) -> Iterator[Measured]:
 def brakes(evidence: Evidence) -> Iterator[Measured]:
     """Force without pressure, and the delay of the brakes.
 
-    A motor that brakes from the first pressure on is a force without pressure. One that hands over
-    to the brakes before the car stands is a force that fades with the speed, which only a run
-    braked to below 3 m/s shows. Either force alone and both together have the same prior odds.
+    A motor that brakes as soon as the pedal is touched adds a force without pressure. One that
+    hands over to the brakes before the car stands is a force that fades with the speed, which only
+    a run braked to below 3 m/s shows. Either force and both together have the same prior odds.
     """
     response, vehicle = evidence.response, evidence.run.vehicle
     if response is None or vehicle is None:

@@ -1,13 +1,15 @@
 """Mistakes that make v and the wheel speeds disagree: an offset, or a wrong clock of v.
 
-    v = R (omega - offset + slip and growth of the tyre) + late
-    v = v_0 - (scale of a_x) g int z dt + slope t + late
+    v = R (omega - offset + slip and growth of the tyre) + late       slip and growth in [rad/s]
+    v = v_0 - (scale of a_x) g int z dt + slope t + drift t^2/2 + slip of v + late
     late = g int z dt from (t - delay)/(1 + c) to t
 
-over coasting, lead-in and braking, until a wheel is at its limit. Each hypothesis is a linear
-Gaussian model of both equations with its own prior of the unknowns, such as the radius R, the
-offset and the rate error c of the clock of v. Slip is a cubic of z and a steep term near the peak
-of the tyres. Where the pressure fits better, it replaces z, whose noise is amplified there.
+late is what the car has lost since (t - delay)/(1 + c), the time whose speed v shows at t. Both
+equations hold over coasting, lead-in and braking, until a wheel is at its limit. Each hypothesis is
+a linear Gaussian model of both equations with its own prior of the unknowns, such as the radius R,
+the offset and the rate error c of the clock of v. Slip is a cubic of z and a steep term near the
+peak of the tyres. Where the pressure, scaled to z, leaves less noise, it replaces z in the slip,
+since powers amplify the noise of z.
 """
 
 import math
@@ -26,18 +28,18 @@ from calib.run.run import Run
 
 OFFSET, CLOCK = "offset", "clock"
 
-_FEWEST, _LASTING = 20, 4.0  # fewest means; factor on their variance for correlated errors [1]
+_FEWEST, _LASTING = 20, 4.0  # fewest means; factor on the variance, since errors last [1]
 _RADIUS_BY_FILE, _RADIUS, _OTHER_CAR, _OTHER_UNIT = 0.012, 0.08, 0.1, 3.0
-"""Sigma of a radius over that of the vehicle file, over the usual radius, with the file of another
-car, and with v in another unit [1]."""
+"""Relative sigma of a radius [1]: known from the vehicle file; usual, without a file; with the file
+of another car; with v in another unit."""
 _STEEP, _GENTLE = 8, 0.1  # order in z of the steep term; least z to which it is scaled [1]
 SLIP = ((0.04, 0.02), (0.01, 0.02), (0.0, 0.02), (0.0, 0.002), (0.0, 0.003))
 """Mean and sigma of the coefficients of slip: of z, its square, cube and steep term; and of the
 growth of a tyre by the square of the wheel speed over 100 rad/s [1]."""
 _SLIP_WET = ((0.12, 0.03), (0.1, 0.1), (0.4, 0.3), (0.03, 0.03), SLIP[-1])
 """The same on a wet road: a brush of stiffness K and peak m that brakes with z times its load slips
-by (1 + z/(3 m) + 5 z^2/(27 m^2) ...) z/K. K is 8 to 18, m 0.35 to 0.6. No sigma is above its mean:
-negative slip is that of a v that runs fast."""
+by (1 + z/(3 m) + 5 z^2/(27 m^2) ...) z/K. K is 8 to 18, m 0.35 to 0.6. No sigma of slip is above
+its mean, or negative slip would imitate a clock of v that runs fast."""
 _UNBRAKED_SLIP = 0.2  # sigma of the slip of an unbraked axle over that of a braked one [1]
 _IN_TIME, _DELAYS = 0.05, (0.1, 0.2, 0.3, 0.4)  # sigma of a usual delay, delays of a late v [s]
 _FINEST = 5e-3  # least error of v [m/s]
@@ -110,31 +112,32 @@ class _Hypothesis(NamedTuple):
 
     kind: str  # of the mistake, or ""
     log_odds: float  # ln of the prior odds
-    radius: float  # sigma of the radius over its mean [1]
-    offset: float = _OFFSET  # sigma of the offset [rad/s]
+    radius_sigma: float  # of the radius over its mean [1]
+    offset_sigma: float = _OFFSET  # [rad/s]
     delay: float = 0.0  # of v [s]
     rate: float = 0.0  # relative error of the clock of v [1]
     rate_sigma: float = _RATE
     slips: bool = False  # whether v is made of wheel speeds, and slips with them
-    scale: float = _SCALE  # sigma of the scale of a_x [1]
+    scale_sigma: float = _SCALE  # of the scale of a_x [1]
     slip: tuple[tuple[float, float], ...] = SLIP  # of the wheels
 
 
-def _hypotheses(radius: float) -> Iterator[_Hypothesis]:
-    """Yield all hypotheses; ``radius`` is the sigma of the known radius [1]."""
-    yield _Hypothesis("", 0.0, radius)
-    yield _Hypothesis("", _LOG_RARE, radius, slips=True)
-    yield _Hypothesis("", _LOG_RARE, radius, slip=_SLIP_WET)
-    yield _Hypothesis("", _LOG_RARE, _OTHER_CAR)
-    yield _Hypothesis("", _LOG_RARE, _OTHER_CAR, scale=_OTHER_CAR)
-    yield _Hypothesis("", _LOG_RARE, _OTHER_UNIT, scale=_OTHER_UNIT)
+def _hypotheses(radius_sigma: float) -> Iterator[_Hypothesis]:
+    """Yield all hypotheses; ``radius_sigma`` is that of the known radius [1]."""
+    yield _Hypothesis("", 0.0, radius_sigma)
+    yield _Hypothesis("", _LOG_RARE, radius_sigma, slips=True)
+    yield _Hypothesis("", _LOG_RARE, radius_sigma, slip=_SLIP_WET)
+    yield _Hypothesis("", _LOG_RARE, _OTHER_CAR)  # the vehicle file is that of another car
+    yield _Hypothesis("", _LOG_RARE, _OTHER_CAR, scale_sigma=_OTHER_CAR)  # v is scaled, too
+    yield _Hypothesis("", _LOG_RARE, _OTHER_UNIT, scale_sigma=_OTHER_UNIT)  # v in another unit
     for delay in _DELAYS:
-        yield _Hypothesis("", _LOG_RARE - math.log(len(_DELAYS)), radius, delay=delay)
-    for offset in _WRONG_OFFSETS:
-        yield _Hypothesis(OFFSET, _LOG_MISTAKE - math.log(len(_WRONG_OFFSETS)), radius, offset)
+        yield _Hypothesis("", _LOG_RARE - math.log(len(_DELAYS)), radius_sigma, delay=delay)
+    log_odds = _LOG_MISTAKE - math.log(len(_WRONG_OFFSETS))
+    for offset_sigma in _WRONG_OFFSETS:
+        yield _Hypothesis(OFFSET, log_odds, radius_sigma, offset_sigma)
+    log_odds = _LOG_MISTAKE - math.log(len(_WRONG_RATES))
     for rate in _WRONG_RATES:
-        log_odds = _LOG_MISTAKE - math.log(len(_WRONG_RATES))
-        yield _Hypothesis(CLOCK, log_odds, radius, rate=rate, rate_sigma=_WRONG_RATE)
+        yield _Hypothesis(CLOCK, log_odds, radius_sigma, rate=rate, rate_sigma=_WRONG_RATE)
 
 
 class _Fit(NamedTuple):
@@ -211,7 +214,8 @@ class _AxleModel(NamedTuple):
         side = residual @ rows
         x, covariances, evidence = posterior(rows.T @ rows, side, sigma)
         squares = (residual - x @ rows.T) ** 2
-        # residual @ residual - side @ x would lose the digits that decide
+        # The misfit is summed directly: residual @ residual - side @ x would lose the digits that
+        # decide. The evidence of `posterior` contains side @ x/2 in its place, which is taken out.
         misfit_and_prior = np.sum(squares, axis=1) + np.sum((x / sigma) ** 2, axis=1)
         logs = evidence - 0.5 * np.sum(side * x, axis=1) - 0.5 * misfit_and_prior
         misfits = np.sum(squares[:, : self.means.v.size], axis=1)
@@ -227,8 +231,8 @@ class _AxleModel(NamedTuple):
         slip_of_v = np.array((0.0, 1e-3))  # practically none
         if x.slips:  # v and the wheels slip alike
             slip, slip_of_v = slip * (0.0, 1.0), slip[0]
-        prior = [(1.0, x.radius), (0.0, x.offset), *slip, *_ROAD, slip_of_v]
-        prior += [(1.0, x.scale), (0.0, _IN_TIME), (0.0, x.rate_sigma)]
+        prior = [(1.0, x.radius_sigma), (0.0, x.offset_sigma), *slip, *_ROAD, slip_of_v]
+        prior += [(1.0, x.scale_sigma), (0.0, _IN_TIME), (0.0, x.rate_sigma)]
         return np.array(prior).T
 
 

@@ -1,8 +1,8 @@
 """Remove known effects from a log: the run as the car without the effects would have given it.
 
     a_x, omega as read --> a_x, omega of the car              effects on sensors are undone
-    p_mc --> clamping --> torque --> wheel pressures          that make the same torque on lines,
-                                                              calipers and pads without effects
+    p_mc --> clamping --> torque --> wheel pressures          that would make the same torque
+                                                              without effects on the brakes
     mass, radii, inertias as driven --> vehicle
 
 Whatever else slows body or wheels (drag, grade, engine) or moves load (pitch) stays in the balance
@@ -39,7 +39,7 @@ _HEAT_ITERATIONS = 3  # friction and heat depend on each other; three are enough
 class CorrectedRun:
     """A run as the car would have given it without the effects."""
 
-    vehicle: Vehicle  # as driven, with the effects of the balance of forces alone
+    vehicle: Vehicle  # as driven; of its effects only those on the balance of forces are left
     log: Log  # with the true a_x, and wheel pressures if an effect on the brakes is known
     factor_f: Array  # factor (n,) by which the effects change the pad friction
     factor_r: Array
@@ -100,7 +100,7 @@ def _without_brake_effects(
         history = replace(history, energy_f=energy_f, energy_r=energy_r)
         torques = brakes.torques(history)
     pads = {"f": model.pad_friction_f, "r": model.pad_friction_r}
-    pressures = {  # where left and right are alike, `torques` has one of them, the twin of both
+    pressures = {  # where left and right are alike, one is computed: the twin of both
         f"p_{w}": torques[brakes.twin(w)] / (pads[w[0]] * brakes.axle(w).torque_gain)
         for w in WHEELS
     }

@@ -1,8 +1,8 @@
 """Lateral acceleration a_y from the speeds of the left and right rear wheels.
 
-    a_y = v^2/R = (omega_r - omega_l)/omega v^2/l_w     free-rolling wheels of equal radius
+    a_y = ((omega_right - omega_left)/omega) (v^2/l_w)     free-rolling wheels of equal radius
 
-R is the radius of the bend, l_w the track width, omega the mean of both wheels. Wheel radii that
+l_w is the track width, omega the mean of both wheels. Wheel radii that
 differ by 0.5 % look like 3 m/s^2 at 30 m/s; a straight run shows that difference. `turning` has
 the equation for braked wheels.
 """
@@ -16,7 +16,7 @@ from calib.logs.log import Log
 from calib.run.axle_signals import Signals
 from calib.run.filters import low_pass
 
-LATERAL_TIME = 0.2  # time constant of the low-pass [s]: noise of a sample alone makes 1 m/s^2
+LATERAL_TIME = 0.2  # time constant of the low-pass [s]; unfiltered noise would be 1 m/s^2
 
 
 def sides(log: Log) -> Array:
@@ -51,9 +51,9 @@ def turning(
 
     ``apart`` is the value of `sides` [1] less that on a straight road, ``speed`` is v [m/s],
     ``track_width`` l_w [m], ``slip`` that of the braked rear wheels [1], ``height`` that of the
-    centre of gravity, h [m]. If each axle carries its share of the roll moment, the load of the
-    outer wheel grows by the share 2 h/(g l_w) a_y, and its slip falls by that share; those of the
-    inner wheel change the other way.
+    centre of gravity, h [m]. Each axle is taken to carry the roll moment in proportion to its load:
+    that of the outer wheel rises by the fraction 2 h a_y/(g l_w), and its slip falls by the same
+    fraction; for the inner wheel it is the reverse.
     """
     by_bend = track_width / np.maximum(speed, MOVING) ** 2
     by_load = 4.0 * np.maximum(slip, 0.0) * height / (G * track_width)

@@ -1,6 +1,6 @@
 """Facts of a validation: the verdict, torques stop by stop, the next step, all metrics.
 
-The best estimate uses all channels of a log; an ECU has no speed v.
+Two estimates are compared: that of the ECU, without the speed v, and the best, with all channels.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -60,7 +60,7 @@ def validation_facts(judged: Validated) -> Facts:
     stored, results = judged.stored, judged.results
     in_order = sorted(results, key=lambda result: result.passed)
     logs = [(result.role, result.log, result.digest) for result in results]
-    limits, unknown = stop_by_stop(results)
+    metrics, notes = stop_by_stop(results)
     warnings = [*stored.table.warnings, *(w for result in results for w in result.all_warnings)]
     failed, proof = not all(result.passed for result in results), proof_of(list(results))
     verdict = WARNING if warnings else PASSED
@@ -86,7 +86,7 @@ def validation_facts(judged: Validated) -> Facts:
         parts=[
             Facts("The stops", pictures=[*map(torque_and_pads, results), stops_on_map(results)]),
             details,
-            Facts("Metrics and limits", tables=[limits], notes=unknown),
+            Facts("Metrics and limits", tables=[metrics], notes=notes),
             origin(stored, logs, date.today().isoformat(), judged.files),
         ],
     )

@@ -2,8 +2,8 @@
 
 After a journal was verified with a key, its head is kept in the user's own folder, in
 `$XDG_STATE_HOME/brake-cal/seen.json`, on Windows below `%LOCALAPPDATA%`. A journal only grows. So a
-journal without that head is an older copy, or went another way from an earlier line. The hash of
-the first line of its journal identifies a store: a store may be moved, but not replaced.
+journal without that head is an older copy, or was changed at some earlier line. The hash of the
+first line of its journal identifies a store: a store may be moved, but not replaced.
 """
 
 import json
@@ -33,7 +33,8 @@ class _SeenJournal(NamedTuple):
     def contradiction(self, folder: Path, journal: Journal) -> str:
         """Return why the ``journal`` in ``folder`` cannot have grown from this one; "" if it can.
 
-        The journal of another store is a contradiction only in the same folder.
+        Journals with different first lines are those of different stores, which contradict each
+        other only in the same folder.
         """
         entries = journal.entries
         if not entries or entries[0].hash != self.store:
@@ -91,7 +92,8 @@ class SeenJournals:
 def recall() -> SeenJournals:
     """Read the journals that were seen. Raises SignatureRefused for a damaged file.
 
-    Call it before the journal of the store is read, since that journal may grow in between.
+    Call it before the journal of the store is read. Else another process may add a line and keep
+    its head in between, and the journal that was read would look like an older copy.
     """
     try:
         variables = (os.environ.get(name, "") for name in ("XDG_STATE_HOME", "LOCALAPPDATA"))

@@ -29,10 +29,11 @@ from calib.car.vehicle import Axle, Vehicle
 def read_own_effects(paths: Iterable[Path]) -> tuple[OwnEffect, ...]:
     """Execute Python files, and return the ``EFFECT`` of each with hooks that are checked.
 
+    A hook is a function of the effect; its link is the field of `Effect` where it acts.
     Raises ModelError, with the line, for a file that is missing, is not Python or raises an
-    exception; for a missing ``EFFECT`` or an incomplete card; for a name of the catalogue; and for
-    a hook that raises, returns another shape or a number that is not finite, or has an effect at
-    the neutral strength.
+    exception; for a missing ``EFFECT`` or an incomplete card; for a name that the catalogue has;
+    and for a hook that raises, returns another shape or a number that is not finite, or has an
+    effect at the neutral strength.
     """
     return tuple(map(_read, paths))
 
@@ -87,7 +88,7 @@ def checked(effect: Effect, path: str) -> Effect:
         hook(*trial(link, typical))
         arguments = trial(link, {**typical, strength: neutral})
         unchanged, result = _NEUTRAL_HOOKS[link](*arguments), hook(*arguments)
-        if isinstance(result, dict):  # by wheel, perhaps not of all wheels
+        if isinstance(result, dict):  # a hook may return only some of the wheels
             unchanged, result = [unchanged[w] for w in result], list(result.values())
         if not np.allclose(unchanged, result, rtol=1e-9, atol=1e-9):
             flaw = f"{link} still does something at {strength} = {neutral:g}, the neutral strength"
@@ -112,8 +113,8 @@ _NEUTRAL_HOOKS: dict[str, Callable[..., Any]] = {
     "speed_delay": lambda parameters: 0.0,
     "wheel_speed_delay": lambda parameters: 0.0,
 }
-"""A hook without effect for each link. Hooks of a link have its form of result and its arguments,
-which `trial` makes by their names here."""
+"""For each link a hook that changes nothing. A hook of the user must take the same arguments, which
+`trial` makes by their names here, and return a result of the same form."""
 
 
 def _guarded(link: str, hook: Callable[..., Any], path: str) -> Callable[..., Any]:
@@ -171,7 +172,10 @@ _CAR = Vehicle("trial", 1744.0, 1.1556, 1.6494, 0.615, 1.55, _FRONT, _REAR)
 
 
 def trial(link: str, parameters: Mapping[str, float]) -> tuple[Any, ...]:
-    """Return read-only arguments for a hook: a braking from 30 m/s to 0, released after 3 s."""
+    """Return read-only arguments for a hook: a braking from 30 m/s to 0, released after 3 s.
+
+    Speed and pressure need not fit each other: only the forms of results are checked.
+    """
     time = np.linspace(0.0, 3.99, 400)
     v = 30.0 - 7.5 * time
     angle = np.cumsum(v) * 0.01 / _CAR.front.rolling_radius

@@ -38,7 +38,9 @@ from calib.car.effects.effect import Pair, Parameters, effect
 from calib.car.history import RunHistory
 from calib.car.lag import low_pass, second_order
 
-_REFERENCE = 20e5  # p_0 of a usual stop [Pa]; w is the width of the loop in p at p_0, over p_0
+_REFERENCE = 20e5
+"""p_0 of a usual stop [Pa]. At equal c the width of the loop in p is 2 r + u (c - r), which is
+w (s p_0 + (1 - s) (c - r)): w p_0 where c - r = p_0."""
 
 _MAX_NOISE_BAND = 0.25e5
 """Largest assumed noise of a constant pressure [Pa]: three standard deviations of a noisy sensor
@@ -101,8 +103,8 @@ def _above_threshold(parameters: Parameters, history: RunHistory, p_f: Array, p_
 
     ``threshold`` is that of the axle with the larger one. ``threshold_rear_share`` sets that of the
     other axle: 0.5, the default, gives both the same, 0 the front axle alone, 1 the rear axle
-    alone. A negative threshold -t describes a sensor that reads t too little: it adds t to p, or
-    |p| if this is smaller, so that a released brake stays released.
+    alone. A negative threshold -t describes a sensor that reads t too little: p grows by t, but at
+    most doubles, so that a released brake stays released.
     """
     larger, share = parameters["threshold"], parameters.get("threshold_rear_share", 0.5)
     front, rear = larger * min(1.0, 2.0 - 2.0 * share), larger * min(1.0, 2.0 * share)
@@ -181,8 +183,8 @@ def _residual(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Arra
 def residual_clamp(time: Array, p: Array, limit: float, drain: float) -> Array:
     """Clamping pressure max(p, q) [Pa] (n,) with the residual pressure q.
 
-    While the brake is applied, q is at least min(p, ``limit``); else q' = -q/``drain``. So
-    q exp(t/drain) is a running maximum, whose logarithm does not overflow. ``time`` [s] and ``p``
+    q decays as exp(-t/``drain``), and is lifted to min(p, ``limit``) while the brake is applied. So
+    q exp(t/drain) is a running maximum; its logarithm does not overflow. ``time`` [s] and ``p``
     [Pa] are (n,); ``limit`` [Pa], ``drain`` [s].
     """
     applied = np.where(p > BITE, np.minimum(p, limit), 0.0)
