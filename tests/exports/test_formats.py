@@ -214,7 +214,9 @@ def test_elements_of_a_cdf_stand_in_the_order_of_the_standard(stored):
 )
 def test_every_object_of_a_cdf_has_its_history(stored, state, verdict, states):
     decided = VersionState(state, verdict=verdict, stored_at="2025-03-31T07:08:09Z")
-    for instance in cdf_of(built(replace(stored, state=decided)))[1].values():
+    data = built(replace(stored, state=decided))
+    assert data.facts()["state"] == states[-1]
+    for instance in cdf_of(data)[1].values():
         entries = instance.findall("SW-CS-HISTORY/CS-ENTRY")
         assert [e.findtext("STATE") for e in entries] == states
         assert {e.findtext("DATE") for e in entries} == {"2025-03-31"}
