@@ -84,10 +84,12 @@ def _declared(
 
 def _converted(make: Make | None, names: str, value: Any) -> Any:
     """Convert a typed value. Refuses a value that is not one of the known ``names``."""
-    if names and isinstance(value, list):
-        value = [require_known(name, names_at(names)) for name in value]
-    elif names:
-        value = require_known(value, names_at(names))
+    if names and value != []:
+        known_names = names_at(names)
+        if isinstance(value, list):
+            value = [require_known(name, known_names) for name in value]
+        else:
+            value = require_known(value, known_names)
     if make is None:
         return value
     convert = _imported(make) if isinstance(make, str) else make

@@ -100,5 +100,6 @@ def from_si(values: Number, unit: str, si: str) -> Number:
 
 def is_unit(text: str, si: str | None = None) -> bool:
     """Whether ``text`` is a known unit; if ``si`` is given, of the quantity with that SI unit."""
+    unit = spelling(text)
     quantities = QUANTITIES.values() if si is None else [QUANTITIES[si]]
-    return any(spelling(text) in units for _, units in quantities)
+    return any(unit in units for _, units in quantities)

@@ -178,8 +178,8 @@ def _extended(A: Array, g: Array, names: Names, columns: tuple[int, ...]) -> lis
     is_allowed = is_possible & (amount > 0.0) & np.all(beside > 0.0, axis=0)
     gain = np.where(is_allowed, 0.5 * (fall - log_determinant) - log_prior, -np.inf)
     best: dict[str, _Subset] = {}
-    for k in np.argsort(-gain).tolist():
-        if is_allowed[k] and names[k] not in best:
+    for k in np.argsort(-gain).tolist()[: np.count_nonzero(is_allowed)]:  # allowed ones come first
+        if names[k] not in best:
             amounts = (*beside[:, k].tolist(), float(amount[k]))
             best[names[k]] = _Subset((*columns, k), amounts, float(gain[k]))
     return list(best.values())

@@ -75,7 +75,8 @@ class Gap:
     @property
     def closed(self) -> float:
         """Share of the gap that the effects close [1]; 0 where there is no gap."""
-        return 1.0 - self.rms_after / self.rms_before if self.rms_before > 0.0 else 0.0
+        rms_before, rms_after = self.rms()
+        return 1.0 - rms_after / rms_before if rms_before > 0.0 else 0.0
 
 
 def gap_of(

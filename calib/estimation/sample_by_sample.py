@@ -75,7 +75,9 @@ class Online:
         c, car = self._c, self._table.vehicle
         earlier = self._wheels or [x[ecu.OMEGA], x[ecu.OMEGA]]
         self._wheels = [*earlier, x[ecu.OMEGA]][-3:]
-        middle = np.median(self._wheels, axis=0)
+        first, last, current = self._wheels
+        # median of three, several times as fast as that of NumPy
+        middle = np.clip(current, np.minimum(first, last), np.maximum(first, last))
         self._fastest = max(float(middle.max()), self._fastest - c.slows * self._dt)
         locks = self._fastest - middle.min() > c.lock * max(self._fastest, 1.0)
         locks = locks and self._fastest > c.turning

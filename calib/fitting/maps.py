@@ -203,7 +203,7 @@ def _cells(
     means, variances = _moments(near, log_slip[None])
     mean, sigma = means[:, 0], np.maximum(np.sqrt(variances[:, 0, 0]), 0.02)
     # weights (n, 1 + 4 a): first those without eta and slip, then those in each cell
-    weights = np.hstack([counts, _slip_weights(near, (log_slip[:, None] - mean) / sigma, least)])
+    weights = _cell_weights(counts, near, (log_slip[:, None] - mean) / sigma, least)
     columns = {"log_slip": mean, "log_slip_sigma": sigma, "share": share / share.sum()}
     cells = {name: np.repeat(x[:, None], _SLIP.size, axis=1) for name, x in columns.items()}
     # A cell is wide in ln(slip), and the ratio is nearly linear in it. The quantiles of a cell are
@@ -223,17 +223,19 @@ def _cells(
     return cells | {"prior": np.minimum(width / prior_width, 1.0)}, unread
 
 
-def _slip_weights(near: Array, deviation: Array, least: Array) -> Array:
-    """Return the weights (n, 4 a) in the cells of all shifts, each with the four of `_SLIP`.
+def _cell_weights(counts: Array, near: Array, deviation: Array, least: Array) -> Array:
+    """Return ``counts`` (n, 1), then the weights in the cells of all shifts: (n, 1 + 4 a).
 
-    ``near`` (n, a) are the weights by the shift, ``deviation`` (n, a) of ln(slip/z) is from its
-    mean [standard deviations], and every scenario has the weight ``least`` (n, 1) in every cell.
+    Each shift has the four cells of `_SLIP`. ``near`` (n, a) are the weights by the shift,
+    ``deviation`` (n, a) of ln(slip/z) is from its mean [standard deviations], and every scenario
+    has the weight ``least`` (n, 1) in every cell.
     """
-    weights = np.empty((len(near), near.shape[1] * _SLIP.size))
+    weights = np.empty((len(near), 1 + near.shape[1] * _SLIP.size))
+    weights[:, :1] = counts
     more, size = least * np.max(near), len(near) // _CHUNKS
     for start in range(0, len(near), size):
         rows = slice(start, start + size)
-        for place, middle in enumerate(_SLIP / _NEAR):
+        for place, middle in enumerate(_SLIP / _NEAR, 1):
             weight = _gauss(deviation[rows] / _NEAR - middle)
             weight *= near[rows]
             np.add(weight, more[rows], out=weights[rows, place :: _SLIP.size])

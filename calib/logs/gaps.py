@@ -50,7 +50,7 @@ class Filled(NamedTuple):
 
 
 def fill(channel: str, t: Array, x: Array, times: Array) -> Filled:
-    """Interpolate a channel linearly at other ``times`` [s] (m,).
+    """Interpolate a channel linearly at other, ascending ``times`` [s] (m,).
 
     The samples ``x`` (n,) at the ascending times ``t`` [s] (n,) are finite. The result is NaN
     outside of them and in a gap that stays open. An event within a bridged gap is lost.
@@ -62,8 +62,8 @@ def fill(channel: str, t: Array, x: Array, times: Array) -> Filled:
     step, steps, tolerance = step_of(t), np.diff(t), _SMOOTH * float(np.ptp(x))
     bridged, left_open = [], []
     for i in np.flatnonzero(steps > GAP * step):
-        inside = (times > t[i]) & (times < t[i + 1])
-        if not inside.any():
+        inside = slice(np.searchsorted(times, t[i], side="right"), np.searchsorted(times, t[i + 1]))
+        if inside.start == inside.stop:
             continue
         gap = ChannelHole(channel, float(t[i]), float(steps[i]))
         is_short = gap.length <= BRIDGE * (1.0 + 1e-6)  # one of exactly `BRIDGE` despite rounding

@@ -128,7 +128,8 @@ def _arrivals(x: Array, longest: float) -> Index | None:
     length = np.diff(np.append(first, x.size))
     # arrivals of each value: one more from each whole number of periods and `_AGAIN` on
     counts = np.maximum(1, np.floor(length / period + 1.0 - _AGAIN).astype(np.int64))
-    number = np.concatenate([np.arange(count) for count in counts])  # of an arrival of a value
+    # number of each arrival among those of its value: 0, 1 ...
+    number = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
     arrivals = np.repeat(first, counts) + np.round(number * period).astype(np.int64)
     return np.asarray(arrivals[arrivals < x.size])
 

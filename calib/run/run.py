@@ -155,8 +155,10 @@ class Run:
     @cached_property
     def wheels_held(self) -> float:
         """Mean time for which a wheel speed holds a value while the car slows [s]."""
+        if not self.has_motion_channels:
+            return 0.0
         times = [held_time(self.log, name, MOVING / NOMINAL_RADIUS) for name in WHEEL_SPEEDS]
-        return float(np.median(times)) if self.has_motion_channels else 0.0
+        return float(np.median(times))
 
     @cached_property
     def slips(self) -> dict[str, Array]:

@@ -214,18 +214,18 @@ def unexplained(diagnosis: Diagnosis) -> str:
 
 def _gap(diagnosis: Diagnosis) -> Facts:
     """Return the part with the gap by hold-out and channel, over the noise of each channel."""
-    gap, rows = diagnosis.gap, list[tuple[str, ...]]()
+    gap, rows, changed = diagnosis.gap, list[tuple[str, ...]](), has_changed(diagnosis)
     for i, log in enumerate(gap.logs, 1):
         ends = [gap.rms(log, channel) for channel in (None, *CHANNELS)]  # None: all together
         cells = [f"{before:.1f}" for before, _ in ends]
-        if has_changed(diagnosis):
+        if changed:
             cells = [f"{before:.1f} to {after:.1f}" for before, after in ends]
         rows.append((f"{i} {log}", *cells))
     noises = (f"{x:.4f} {UNITS[name]}" for name, x in zip(CHANNELS, gap.noise, strict=True))
     rows.append(("noise", "1", *noises))
     caption = _LARGEST.format(diagnosis.measured[worst(diagnosis)].name)
     return Facts(
-        f"The gap on the hold-outs{', before to after' if has_changed(diagnosis) else ''}",
+        f"The gap on the hold-outs{', before to after' if changed else ''}",
         tables=[Table(("log", "all", *CHANNELS), rows, _GAP)],
         pictures=[_picture(diagnosis, caption, "acceleration", "split")],
     )

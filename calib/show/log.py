@@ -139,10 +139,10 @@ def _eta(log: Log) -> Array:
 
 def _marks(events: Iterable[RunEvent], named: bool) -> list[Mark]:
     """Return the events as marks; if ``named``, the legend has each kind once."""
-    marks = list[Mark]()
+    marks, unlabelled = list[Mark](), set(_EVENTS if named else ())
     for event in events:
-        is_new = event.kind not in {mark.label for mark in marks}
-        label = event.kind if named and is_new else ""
+        label = event.kind if event.kind in unlabelled else ""
+        unlabelled.discard(event.kind)
         marks.append(Mark(event.start, event.end, _EVENTS[event.kind], label))
     return marks
 

@@ -147,8 +147,8 @@ def _with_signature(snapshot: Snapshot, entry: StoreEntry, public: PublicKey) ->
     """Return the entry with its signed state, or with a violation for an invalid signature."""
     if entry.stored is None:
         return entry
-    is_signed = signer(entry.stored) == public.key_id
-    if not is_signed and not _was_released(snapshot, entry.name, entry.version):
+    was_released = _was_released(snapshot, entry.name, entry.version)
+    if not was_released and signer(entry.stored) != public.key_id:
         return entry
     try:
         signed = _verified(snapshot, entry.stored, public)
