@@ -101,13 +101,16 @@ class MagicFormula:
         without_bend = self.stiffness / load_factor * cosine / (1.0 + bx * bx)
         return np.asarray(without_bend / (1.0 + 2.0 * self.bend * np.abs(bx)))
 
+    def _b(self, peak: Array | float) -> Array | float:
+        return self.stiffness / (self.shape * peak)
+
     def _bx_at(self, slip: Array, peak: Array | float) -> Array:
         """B x at the ``slip`` over s, from (1 + b B x) B x = B slip in a form that allows b = 0."""
-        b_slip = self.stiffness / (self.shape * peak) * slip  # B slip
+        b_slip = self._b(peak) * slip
         return b_slip * 2.0 / (1.0 + np.sqrt(1.0 + 4.0 * self.bend * np.abs(b_slip)))
 
     def _slip_of(self, bx: Array | float, peak: Array | float, load_factor: Array | float) -> Array:
-        x = bx * (1.0 + self.bend * np.abs(bx)) / (self.stiffness / (self.shape * peak))
+        x = bx * (1.0 + self.bend * np.abs(bx)) / self._b(peak)
         return np.asarray(x * load_factor)
 
     def _load_factor(self, relative_load: Array | float) -> Array | float:

@@ -25,6 +25,7 @@ from calib.ecu.car_data import CAR, axes_of, code_grids, numbers_of, sources
 from calib.ecu.fmu import Content, Version, compile_fmu, write_fmu
 from calib.ecu.structures import calibrated, cell, initial, measured, source
 from calib.estimation.online import A_X, ANSWERS, CHANNELS, FL, answered, limits, samples_of
+from calib.estimation.readout import ENDS
 from calib.exports.addresses import find_addresses
 from calib.exports.build import build
 from calib.exports.export import CODES, require_handed_out
@@ -178,7 +179,7 @@ def _vectors(table: Table, sample_time: float, how: Precision, car: str) -> str:
         "tolerance": 1e-9 if bits == 64 else 1e-4,
         "columns": [f"{name} [{unit}]" for name, unit in units.items()],
         "needed": sum(name in LOGGED and LOGGED[name].required for name in CHANNELS),
-        "names": [f"{x}{end}" for x in ANSWERS for end in ("", "_lower", "_upper")],
+        "names": [f"{x}{end}" for x in ANSWERS for end in ENDS],
         "inputs": [initial(row, bits) for row in samples.tolist()],
         "answers": [initial(row, bits) for row in answers.tolist()],
     }  # fmt: skip

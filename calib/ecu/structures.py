@@ -11,7 +11,7 @@ import inspect
 import re
 import zlib
 from collections.abc import Iterable, Iterator
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import fields, is_dataclass
 from functools import cache
 from importlib import resources
 from typing import Any, NamedTuple
@@ -135,9 +135,9 @@ def calibrated(numbers: Iterable[Number], first: str, size: int) -> list[Scalar]
             part, member = (x.parts[i], f"{x.name}[{i}]") if x.parts else ("", x.name)
             name = "version" if x.name == "version" else f"c_{x.name}_{part}".removesuffix("_")
             unit = CHANNELS[part].unit if part in CHANNELS else unit
-            scalar = Scalar(label(first, name), meaning, unit, np.array([value]), None, sigma=None)
+            head = label(first, name), meaning, unit
             place = Within(f"{first}_numbers", member, size * len(scalars))
-            scalars.append(replace(scalar, within=place))
+            scalars.append(Scalar(*head, np.array([value]), None, sigma=None, within=place))
     return scalars
 
 

@@ -89,6 +89,11 @@ class Estimate(Viewable):
         return self.best.valid & (not self.unfit)
 
     @property
+    def ecu_valid(self) -> Mask:
+        """Samples in which the ECU is valid (n,); none if the run does not count."""
+        return self.ecu.valid & (not self.unfit)
+
+    @property
     def refused(self) -> dict[str, Mask]:
         """Samples (n,) in which the pads bite and the ECU has no valid answer, by reason."""
         refused = dict.fromkeys(self.unfit, self.bites)

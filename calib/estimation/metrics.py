@@ -58,7 +58,7 @@ _SHORTER = {
 def score(e: Estimate) -> Figures:
     """Return all `METRICS` of one log, None for those that the log cannot give."""
     truth, counted = truth_of(e), counted_samples(e)
-    valid, by_ecu = e.valid & counted, e.ecu.valid & counted & (not e.unfit)
+    valid, by_ecu = e.valid & counted, e.ecu_valid & counted
     figures: dict[str, Any] = {
         "eta_zero": e.car.radius_mismatch(e.zeros[0] - 1.0),
         "valid_share": share(valid, counted),

@@ -58,6 +58,10 @@ class ColumnSource:
     rates: Mapping[int, float] = field(default_factory=dict)
     """Sample rates [Hz] of the columns of a resampled recording, by index of the column."""
 
+    def each(self) -> list[Array | LogError]:
+        """Read all columns; the error takes the place of one that cannot be read."""
+        return read_each(self.read, range(len(self.columns)))
+
 
 def read_each(
     read: Callable[[Sequence[int]], Sequence[T]], indices: Sequence[int]

@@ -20,7 +20,7 @@ from calib.logs.clock import GAP, check_increasing, step_of
 from calib.logs.formats import as_table, stem_of
 from calib.logs.log import Log
 from calib.logs.read import open_log, refuse_mapped_time
-from calib.logs.source import Recording, read_each
+from calib.logs.source import Recording
 
 TIME = "time"
 
@@ -73,8 +73,7 @@ def read_whole(path: Path, channel_map: ChannelMap | None = None) -> WholeLog:
     ignore = channel_map.ignore if channel_map else ()
     columns, notes = list[WholeColumn](), list[str]()
     names = {item.channel for item in by_index.values()}
-    arrays = read_each(source.read, range(len(source.columns)))
-    for index, (column, values) in enumerate(zip(source.columns, arrays, strict=True)):
+    for index, (column, values) in enumerate(zip(source.columns, source.each(), strict=True)):
         if isinstance(values, LogError) or column.name in ignore:
             why = values.problem if isinstance(values, LogError) else "the map ignores it"
             notes.append(f"{column.full_name} was left out: {why}")

@@ -65,10 +65,9 @@ def prior_of(
         ratio = Value(CAR.log_pad_ratio.mean, CAR.log_pad_ratio.sigma)
         stiffness = Value(math.log(WET_ASPHALT.stiffness), _UNKNOWN_TYRES)
         return Prior(vehicle, track, sensors, level, ratio, stiffness, LEVELS)
-    pads = table.calibration
+    pads, noise = table.calibration, noise_of(table.noise)
     level, stiffness = _logarithm(pads.pad_scale), _logarithm(pads.slip_stiffness)
-    prior = Prior(vehicle, track, sensors, level, pads.pad_log_ratio, stiffness, LEVELS)
-    return replace(prior, noise=noise_of(table.noise), logs=tuple(logs))
+    return Prior(vehicle, track, sensors, level, pads.pad_log_ratio, stiffness, noise, tuple(logs))
 
 
 def _logarithm(x: Value) -> Value:

@@ -13,11 +13,12 @@ from calib.base.digest import sha256
 from calib.base.errors import InputError
 from calib.base.warning import PlausibilityWarning
 from calib.estimation.limits import FAILED, PASSED, Judgement
+from calib.estimation.readout import ENDS
 from calib.estimation.results import SUMMARY
 from calib.estimation.validate import NONE, REFERENCE
 from calib.logs.parquet import numbers, parquet_table
 from calib.show.judged import broken_limits, verdict_words, warning_note
-from calib.show.torque import ENDS, errors_in
+from calib.show.torque import errors_in
 from calib.store.evidence import CONSISTENT
 
 COLUMNS = (

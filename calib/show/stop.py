@@ -18,6 +18,7 @@ from calib.car.effects.effect import Pair
 from calib.car.vehicle import Vehicle
 from calib.estimation.estimator import Estimate
 from calib.estimation.metrics import Truth, truth_of
+from calib.estimation.readout import ENDS
 from calib.estimation.reasons import Reason
 from calib.estimation.validate import Validation
 from calib.run.filters import true_intervals
@@ -29,7 +30,7 @@ from calib.show.panel import Line, Mark, Panel
 from calib.show.result import StoredResult
 from calib.show.sheet import Sheet
 from calib.show.style import Array, Mask, Stroke
-from calib.show.torque import ENDS, SIDES, Columns, errors, in_words, means, torques, valid_samples
+from calib.show.torque import SIDES, Columns, errors, in_words, means, torques
 from calib.table.table import Table
 
 _STROKES = {"f": style.FRONT, "r": style.REAR}
@@ -153,7 +154,7 @@ def _stop_of(e: Estimate, vehicle: Vehicle | None = None) -> _Stop:
     source, pads = "on the ramp", (ramp.pad_friction_f.value, ramp.pad_friction_r.value)
     if vehicle is not None:
         source, pads = "by the file", (vehicle.front.pad_friction, vehicle.rear.pad_friction)
-    return _Stop(e.columns(), valid_samples(e), source, pads, truth_of(e), e.slips)
+    return _Stop(e.columns(), e.ecu_valid, source, pads, truth_of(e), e.slips)
 
 
 def _sheet(

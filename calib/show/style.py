@@ -32,7 +32,7 @@ Stroke = dict[str, Any]
 WIDTH, HEIGHT = 8.27, 11.69
 """Width of a page [in], and its largest height: A4."""
 LINE_WIDTH = 1.3
-"""Usual width of a line [pt], as in `figures.mplstyle`."""
+"""Usual width of a line [pt]."""
 SHADE = "#E9E9E9"
 """Colour of a marked range of an axis."""
 ETA = "\u03b7 - 1 [%]"
@@ -77,6 +77,7 @@ def styled(outlines: bool = True) -> Iterator[None]:
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
         matplotlib.rcParams.update(matplotlib.rc_params_from_file(file, use_default_template=False))
+        matplotlib.rcParams["lines.linewidth"] = LINE_WIDTH
         matplotlib.rcParams["svg.fonttype"] = "path" if outlines else "none"
         yield
 

@@ -9,9 +9,8 @@ from calib.base.arrays import Mask
 from calib.base.names import AXLE_NAMES
 from calib.base.plain import NBSP
 from calib.base.units import BAR
-from calib.estimation.estimator import Estimate
 from calib.estimation.metrics import truth_of
-from calib.estimation.readout import Bounded
+from calib.estimation.readout import ENDS, Bounded
 from calib.estimation.validate import NONE, REFERENCE, TRUTH, Validation
 from calib.table.table import Table
 
@@ -26,8 +25,6 @@ _COLUMN_FACTORS = {"fl": 2.0, "rl": 2.0, "sum": 1.0}
 """For each of the `SIDES`, part of its column's name and a factor: an axle has two wheels."""
 AGAINST = {TRUTH: "the truth", REFERENCE: "the estimate with v", NONE: "nothing"}
 """What the torques of an ECU are compared with, in words."""
-ENDS = ("", "_lower", "_upper")
-"""Endings of the columns of a value and of its bounds."""
 
 
 def torques(columns: Columns, prefix: str = "ecu_") -> list[Bounded]:
@@ -41,11 +38,6 @@ def torques(columns: Columns, prefix: str = "ecu_") -> list[Bounded]:
     ]
 
 
-def valid_samples(estimate: Estimate) -> Mask:
-    """Return the samples (n,) in which the ECU is valid; none if the run does not count."""
-    return estimate.ecu.valid & (not estimate.unfit)
-
-
 def means(columns: Columns, valid: Mask, prefix: str = "ecu_") -> list[str]:
     """Return mean torques of the `SIDES` over ``valid`` samples (n,), with their 95 % intervals."""
     return [_mean(torque, valid) for torque in torques(columns, prefix)]
@@ -53,7 +45,7 @@ def means(columns: Columns, valid: Mask, prefix: str = "ecu_") -> list[str]:
 
 def ecu_means(result: Validation) -> list[str]:
     """Return the `means` of the ECU over the valid samples of a stop."""
-    return means(result.estimate.columns(), valid_samples(result.estimate))
+    return means(result.estimate.columns(), result.estimate.ecu_valid)
 
 
 def _mean(torque: Bounded, valid: Mask) -> str:
@@ -114,7 +106,7 @@ _ERRORS = ("ecu_torque_error_f", "ecu_torque_error_r", "ecu_level_error")
 def errors(result: Validation) -> _TorqueErrors:
     """Return the errors of the ECU's torques in a stop."""
     estimate = result.estimate
-    compared = valid_samples(estimate) & estimate.valid & (estimate.run.blocks.v is not None)
+    compared = estimate.ecu_valid & estimate.valid & (estimate.run.blocks.v is not None)
     return errors_in(result.figures, estimate.columns(), compared)
 
 

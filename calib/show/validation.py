@@ -169,7 +169,7 @@ def beside_best(stored: Stored, results: Sequence[Validation]) -> Table:
 
 def _answers(stored: Stored, r: Validation) -> Iterator[Sequence[str]]:
     """Yield the rows of a stop in `beside_best`, without the name of the stop."""
-    figures, columns, ecu_valid = r.figures, r.estimate.columns(), torque.valid_samples(r.estimate)
+    figures, columns, ecu_valid = r.figures, r.estimate.columns(), r.estimate.ecu_valid
     change = _change(stored, r)
     since = torque.UNKNOWN if change is None else signed_percent(change)
     ecu_pads = [pads(figures, axle, "ecu_") for axle in "fr"]

@@ -12,7 +12,7 @@ from calib.base.names import AXLES, CHANNELS, TRUTH
 from calib.base.plain import counted, quoted
 from calib.base.units import from_si, is_unit, si_of, to_si
 from calib.logs.channel_map import Mapping, assigned_column
-from calib.logs.source import Column, ColumnSource, address_of, indices_of, read_each
+from calib.logs.source import Column, ColumnSource, address_of, indices_of
 from calib.logs.text.cells import column_from_cell
 from calib.run.filters import centred_mean, samples_in
 
@@ -33,8 +33,7 @@ class Series:
 def read_series(source: ColumnSource) -> tuple[list[Series], list[Series], dict[str, str]]:
     """Return the columns with a number in every row, those with gaps, and why others are unused."""
     complete, gapped, unused = list[Series](), list[Series](), dict[str, str]()
-    arrays = read_each(source.read, range(len(source.columns)))
-    for index, (column, values) in enumerate(zip(source.columns, arrays, strict=True)):
+    for index, (column, values) in enumerate(zip(source.columns, source.each(), strict=True)):
         name = address_of(column, source.columns)
         if isinstance(values, LogError):
             unused[name] = values.problem

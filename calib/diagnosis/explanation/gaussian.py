@@ -61,8 +61,6 @@ class Marginal:
     information: Array  # products of the first p columns (p, p)
     cross: Array  # products of the first p columns with c further ones and r (p, c + 1)
     further: Array  # products of the further columns and r (c + 1, c + 1)
-    gradient: Array  # half the gradient of the sum of squares (p,)
-    squares: float  # sum of squares at the present x with the best random effects, priors included
     log_determinants: float
     """Sum of ln of the determinants of the random effects' information, less that of the prior."""
     steps: list[Array]  # of each log, by `Products.marginalised`
@@ -91,11 +89,19 @@ class Marginal:
             information=G[:p, :p],
             cross=G[:p, p:],
             further=G[p:, p:],
-            gradient=G[:p, -1],
-            squares=float(G[-1, -1]),
             log_determinants=log_determinants,
             steps=list(steps),
         )
+
+    @property
+    def gradient(self) -> Array:
+        """Half the gradient of the sum of squares (p,)."""
+        return self.cross[:, -1]
+
+    @property
+    def squares(self) -> float:
+        """Sum of squares at the present x with the best random effects, priors included."""
+        return float(self.further[-1, -1])
 
     def evidence(self, largest_fall: float = np.inf) -> float:
         """ln of the evidence without the further columns, up to a constant of the rows.

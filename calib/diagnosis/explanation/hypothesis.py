@@ -119,9 +119,17 @@ class Element:
     effect: str
     parameter: Parameter
     origin: float
-    low: float  # bounds of x, by the card
-    high: float
     sigma: float  # standard deviation of the prior on x, whose mean is 0
+
+    @property
+    def low(self) -> float:
+        """Least x, by the card."""
+        return (self.parameter.low - self.origin) / self.parameter.spread
+
+    @property
+    def high(self) -> float:
+        """Largest x, by the card."""
+        return (self.parameter.high - self.origin) / self.parameter.spread
 
     def value(self, x: float) -> float:
         """The parameter at ``x`` [SI]."""
@@ -138,9 +146,8 @@ def elements_of(effects: Effects, *names: str) -> list[Element]:
         origins = effects.parameters.get(name, {strength.name: card.neutral})
         for p in card.parameters:
             origin = origins.get(p.name, p.typical)
-            low, high = (p.low - origin) / p.spread, (p.high - origin) / p.spread
             sigma = STRENGTH if p is strength else _FURTHER
-            elements.append(Element(name, p, origin, low, high, sigma))
+            elements.append(Element(name, p, origin, sigma))
     return elements
 
 

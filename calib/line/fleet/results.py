@@ -97,6 +97,12 @@ def _natural(text: str) -> list[str | int]:
 
 def _column_of(field: Any) -> Column:
     """Return the column of a field of the Arrow schema; a field of another type is text."""
-    kinds = {"double": float, "int64": float, "bool": bool}
+    import pyarrow.types as types
+
     unit = (field.metadata or {}).get(b"unit", b"1").decode()
-    return Column(field.name, unit, kinds.get(str(field.type), str))
+    kind: type = str
+    if types.is_floating(field.type) or types.is_integer(field.type):
+        kind = float
+    elif types.is_boolean(field.type):
+        kind = bool
+    return Column(field.name, unit, kind)

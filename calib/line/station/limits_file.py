@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from calib.base.errors import LimitsError
-from calib.base.plain import METRICS
+from calib.base.plain import METRICS, MetricLimits
 from calib.estimation.limits import DEFAULTS, Limit
 from calib.estimation.limits_file import read_limits
 from calib.estimation.metrics import METRICS as OF_STOPS
@@ -15,8 +15,8 @@ from calib.line.station.metrics import METRICS as OF_CAR
 def _limit(figure: str) -> Limit:
     """Return the default limit of a metric: that of the station, or else that of `validate`."""
     metric = METRICS[figure]
-    has_limit = any(end is not None for end in metric.station)
-    return Limit(figure, *(metric.station if has_limit else metric.validate), metric.required)
+    ends = metric.station if metric.station != MetricLimits() else metric.validate
+    return Limit(figure, *ends, metric.required)
 
 
 _JUDGED = [figure for figure, metric in METRICS.items() if metric.judged]
