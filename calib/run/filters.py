@@ -21,7 +21,11 @@ def block_mean(x: Array, size: int) -> Array:
 
 
 class GroupMean:
-    """Means over groups of samples; each group is given by the indices of its samples."""
+    """Means over groups of samples; each group is given by the indices of its samples.
+
+    >>> GroupMean([np.array([0, 1]), np.array([3])])(np.array([1.0, 3.0, 5.0, 7.0]))
+    array([2., 7.])
+    """
 
     def __init__(self, groups: Sequence[Index]) -> None:
         self.sizes = np.array([group.size for group in groups])
@@ -92,14 +96,22 @@ def recursive_filter(x: Array, poles: Sequence[float] | Array) -> Array:
 
 
 def median_of_three(x: Array) -> Array:
-    """Median of each value (n,) and its two neighbours; it removes an error of a single sample."""
+    """Median of each value (n,) and its two neighbours; it removes an error of a single sample.
+
+    >>> median_of_three(np.array([3.0, 3.0, 0.0, 3.0, 2.0, 1.0]))
+    array([3., 3., 3., 2., 2., 1.])
+    """
     previous, middle, following = x[:-2], x[1:-1], x[2:]
     low, high = np.minimum(previous, middle), np.maximum(previous, middle)
     return np.concatenate([x[:1], np.maximum(low, np.minimum(high, following)), x[-1:]])
 
 
 def time_since(time: Array, event: Mask) -> Array:
-    """Time since the ``event`` was last true [s] (n,); infinite before it was first true."""
+    """Time since the ``event`` was last true [s] (n,); infinite before it was first true.
+
+    >>> time_since(np.array([0.0, 1.0, 2.0]), np.array([False, True, False]))
+    array([inf,  0.,  1.])
+    """
     return np.asarray(time - np.maximum.accumulate(np.where(event, time, -np.inf)))
 
 

@@ -76,7 +76,11 @@ def deviations(variances: _Variances) -> Parts:
 
 
 def parts_text(parts: Parts) -> str:
-    """Text of the three largest parts, as half widths of 95 % intervals."""
+    r"""Text of the three largest parts, as half widths of 95 % intervals.
+
+    >>> parts_text({"tyres": 0.01, "mass": 0.03, "load_geometry": 0.002})
+    'mass ±5.9\xa0%, tyres ±2.0\xa0%, load geometry ±0.4\xa0% (95\xa0%)'
+    """
     largest = sorted(parts, key=lambda part: -parts[part])[:3]
     widths = (f"{_label(part)} ±{100.0 * Z95 * parts[part]:.1f}{NBSP}%" for part in largest)
     return f"{', '.join(widths)} (95{NBSP}%)"

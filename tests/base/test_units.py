@@ -76,3 +76,4 @@ def test_every_channel_converts_and_its_quantity_is_found():
     units = [(channel.unit, channel.si) for channel in CHANNELS.values()]
     for unit, si in [*units, *((unit, unit) for unit in TRUTH_UNITS.values())]:
         assert si_of(unit) == si
+        assert np.isfinite(to_si(1.0, unit, si))

@@ -42,6 +42,9 @@ def test_doubts_end_with_3_and_no_map(brake_cal, foreign, tmp_path):
 def test_a_named_channel_is_written_and_read(brake_cal, foreign, tmp_path):
     out = tmp_path / "map.toml"
     assert brake_cal("map", foreign, *TAKE, "--out", out).code == 0
+    ran = brake_cal("check", foreign, "--map", out, "-v")
+    assert "from 'LongAcc' [m/s^2] x 1\n" in ran.out
+    assert "from 'Brake pressure' [bar] x 100000\n" in ran.out
     channels = parsed(brake_cal("check", foreign, "--map", out, "--json"))["logs"][0]["taken"]
     pressure = next(item for item in channels if item["channel"] == "p_mc")
     assert pressure["source"] == "Brake pressure"

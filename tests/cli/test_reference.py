@@ -17,7 +17,6 @@ from calib.help.page import contents
 from tests.cli.conftest import parsed
 
 ROOT = Path(__file__).parents[2]
-SAMPLES = ROOT / "sample_logs"
 
 
 def test_every_effect_has_its_line_and_its_card(brake_cal):

@@ -9,18 +9,11 @@ from calib.store.minisign import generate
 from calib.store.store import Store
 from tests.cli.conftest import parsed
 from tests.support.signing import ADA, EVE, secret_file
-from tests.support.tables import made_table
 
 pytestmark = pytest.mark.usefixtures("seen_file")
 
 SEED = bytes(range(32))
 SAMPLES = "sample_logs/sedan"
-
-
-@pytest.fixture
-def table():
-    """One that can be estimated with."""
-    return made_table()
 
 
 @pytest.fixture

@@ -15,6 +15,7 @@ from calib.store.state import StateDecision
 from calib.store.store import Store
 from calib.table.table import Value
 from tests.cli.conftest import parsed
+from tests.support.command import files_under
 from tests.support.documents import missing_and_unknown
 
 SEDAN = Path(__file__).parents[2] / "sample_logs" / "sedan"
@@ -35,10 +36,6 @@ def station(brake_cal, tmp_path):
     return run
 
 
-def content(folder):
-    return {p.relative_to(folder): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
-
-
 GOOD = ("--coast", COAST, "--serial", "0815", "--rxswin", "R79", "--station", "EOL 3")
 GOOD += ("--export", "dcm", "--export", "a2l", "--mass", "1744 kg", "--json")
 
@@ -51,7 +48,7 @@ def good(station, tmp_path):
     if not _files_of_good_car:
         ran = station(*GOOD)
         assert ran.code == 0, ran.err
-        _files_of_good_car.update(content(tmp_path), out=ran.out)
+        _files_of_good_car.update(files_under(tmp_path), out=ran.out)
     for path, data in _files_of_good_car.items():
         if path != "out":
             (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
@@ -60,10 +57,10 @@ def good(station, tmp_path):
 
 
 def test_a_good_car_and_the_same_bytes_again(station, good, tmp_path):
-    files = content(tmp_path)
+    files = files_under(tmp_path)
     again = station(*GOOD)
     assert (again.code, parsed(again)) == (0, good)
-    assert content(tmp_path) == files
+    assert files_under(tmp_path) == files
     assert {p.name for p in (tmp_path / "car").iterdir()} == {
         "station.json", "junit.xml", "report.html", "summary.json", "table.dcm", "table.a2l",
         "dry_asphalt_stop.parquet", "transition_dry_to_basalt.parquet",
@@ -109,15 +106,15 @@ def test_refusals_leave_no_result(station, tmp_path, words, code):
     """The index is told of a car that cannot be judged, not of a mistake in what was typed."""
     assert station(*words).code == code
     refusals = ["car/refused.json"] if code == 3 and words[0] != "--limits" else []
-    assert [str(path) for path in content(tmp_path)] == refusals
+    assert [str(path) for path in files_under(tmp_path)] == refusals
 
 
 def test_a_refused_car_is_on_the_index_until_it_is_judged(station, good, brake_cal, tmp_path):
     """An earlier result stays as it was; the next verdict takes the refusal away."""
-    files = content(tmp_path / "car")
+    files = files_under(tmp_path / "car")
     ran = station("--serial", "0815", "--station", "E 3", "--json", ramp=DRY)
     assert ran.code == 3
-    files_after = content(tmp_path / "car")
+    files_after = files_under(tmp_path / "car")
     refusal = json.loads(files_after.pop(Path("refused.json")))
     assert files_after == files
     assert missing_and_unknown("refused-json", refusal) == []
@@ -126,7 +123,7 @@ def test_a_refused_car_is_on_the_index_until_it_is_judged(station, good, brake_c
     assert brake_cal("fleet", tmp_path).code == 0
     assert "0815: Refused" in (tmp_path / "index.html").read_text()
     assert station(*GOOD).code == 0
-    assert content(tmp_path / "car") == files
+    assert files_under(tmp_path / "car") == files
 
 
 def test_a_report_that_fails_leaves_no_version(station, tmp_path, monkeypatch):

@@ -41,6 +41,8 @@ def test_every_log_and_channel_has_its_own_gap(gap):
             first, last = gap.rms(log, channel)
             assert noise * first == pytest.approx(error_before, rel=0.01)
             assert noise * last == pytest.approx(error_after, rel=0.02)
+        cells = np.array([gap.rms(log, channel) for channel in CHANNELS])
+        assert gap.rms(log) == pytest.approx(np.sqrt(np.mean(cells**2, axis=0)))
 
 
 def test_the_gap_of_all_is_the_rms_of_logs_and_channels(gap):

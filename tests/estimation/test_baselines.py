@@ -11,7 +11,6 @@ from calib.estimation.validate import validate
 from calib.fitting.fit import fit
 from tests.support.reference_car import CAR, IDEAL, REAL, noisy, ramp, stop, with_pads, without
 
-G = 9.80665
 UNSTABLE = {name for name in METHODS if name.startswith("gradient")}
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.base.names import G
+from calib.base.names import WHEELS, G
 from calib.estimation.baselines import METHODS
 from calib.estimation.constants import Constants
 from calib.estimation.estimator import estimate
@@ -17,6 +17,7 @@ from calib.fitting.fit import fit
 from calib.model.sensor_noise import LEVELS, add_noise
 from calib.run.blocks import BLOCK
 from tests.studies import plant_r
+from tests.support.made_runs import changed
 from tests.support.plant import as_log, drive, magic
 from tests.support.reference_car import (
     CAR,
@@ -61,10 +62,6 @@ def require_equal(result, expected, tolerance):
         assert np.nanmax(np.abs(x - y), initial=0.0) <= tolerance * scale, name
 
 
-def with_channels(log, **changed):
-    return replace(log, channels={**log.channels, **changed})
-
-
 def truth_inside(e, log):
     """Valid samples whose interval holds the true pad friction: shares of both axles."""
     out = []
@@ -81,6 +78,16 @@ def truth_inside(e, log):
 def test_the_future_changes_nothing(fitted, wet, result, last):
     early = estimate(fitted, cut(wet, 0.0, last))
     require_equal(columns(early), columns(result, early.time[-1] + 1e-9), 1e-12)
+
+
+def test_one_later_sample_changes_nothing(fitted, wet, result):
+    """Not the length of the log either: a wild last second under the same number of samples."""
+    late = wet.time > 5.0
+    wild = {f"omega_{w}": np.where(late, 0.9, 1.0) * wet[f"omega_{w}"] for w in WHEELS[:2]}
+    wild |= {"a_x": np.where(late, -9.0, wet["a_x"]), "p_mc": np.where(late, 0.0, wet["p_mc"])}
+    other = estimate(fitted, changed(wet, **wild))
+    require_equal(columns(other, 5.0), columns(result, 5.0), 1e-12)
+    assert not np.allclose(other.signals.z[-100:], result.signals.z[-100:])
 
 
 def test_truth_is_never_read(fitted, wet, result):
@@ -132,7 +139,7 @@ def test_tyres_that_differ_by_axle_are_in_the_interval(ratio):
 @pytest.mark.parametrize(("scale", "bias"), [(1.05, 0.0), (1.0, -0.3)])
 def test_a_wrong_accelerometer_is_put_right_with_v(fitted, wet, scale, bias):
     """5 % of a_x or 0.3 m/s^2 not taken out would move the pads by 5 % and by 10 %."""
-    e = estimate(fitted, with_channels(wet, a_x=scale * wet["a_x"] + bias))
+    e = estimate(fitted, changed(wet, a_x=scale * wet["a_x"] + bias))
     sensor = e.run.accelerometer(known_resistance(e.table), e.noise)
     assert sensor.scale == pytest.approx(1.0 - 1.0 / scale, abs=0.015)
     assert G * sensor.bias == pytest.approx(-bias, abs=0.05)
@@ -206,7 +213,7 @@ def test_settled_braking_is_valid_and_the_lead_in_is_not(result):
 
 def test_steering_gate(fitted, wet):
     degrees = np.where((wet.time > 3.0) & (wet.time < 4.0), 12.0, 1.0)
-    e = estimate(fitted, with_channels(wet, steering=-np.deg2rad(degrees)))
+    e = estimate(fitted, changed(wet, steering=-np.deg2rad(degrees)))
     assert not np.any(e.valid[(e.time > 3.05) & (e.time < 4.0)])
     assert np.all(e.valid[(e.time > 2.3) & (e.time < 3.0)])
     assert np.all(e.valid[(e.time > 4.2) & (e.time < 6.0)])
@@ -227,7 +234,7 @@ def with_bend(log, lateral, first, last):
             slip = 1.0 - log[f"omega_{axle}{side}"] * radius / log["v"]
             speed = log["v"] / radius * (1.0 + sign * half)
             wheels[f"omega_{axle}{side}"] = speed * (1.0 - slip / (1.0 + sign * more))
-    return with_channels(log, **wheels)
+    return changed(log, **wheels)
 
 
 def test_bend_gate(fitted, wet):
@@ -246,7 +253,7 @@ def test_abs_gate(fitted, wet, wheel):
     """A wheel dips by 40 % for 0.1 s at a time; after the last dip the answer is not trusted."""
     cycle = (wet.time > 3.0) & (wet.time < 4.0) & ((wet.time * 4.0) % 1.0 < 0.4)
     hit = np.where(cycle, 0.6, 1.0) * wet[f"omega_{wheel}"]
-    e = estimate(fitted, with_channels(wet, **{f"omega_{wheel}": hit}))
+    e = estimate(fitted, changed(wet, **{f"omega_{wheel}": hit}))
     assert not np.any(e.valid[(e.time > 3.05) & (e.time < 4.5)])
     assert np.all(e.valid[(e.time > 2.3) & (e.time < 2.99)])
     for axle in (e.best.pads_f, e.best.pads_r):
@@ -256,7 +263,7 @@ def test_abs_gate(fitted, wet, wheel):
 def test_spikes_of_one_sample_are_no_abs(fitted, wet, result):
     hit = np.array(wet["omega_rr"])
     hit[40::300] *= 0.5
-    e = estimate(fitted, with_channels(wet, omega_rr=hit))
+    e = estimate(fitted, changed(wet, omega_rr=hit))
     assert not np.any(e.best.step.reason == Reason.LOCKED)
     assert np.mean(e.valid) > 0.9 * np.mean(result.valid)
 

@@ -37,6 +37,22 @@ def test_a_figure_passes_within_its_ends(value, low, high):
     assert judged.verdict == ("failed" if outside else "passed")
 
 
+@given(
+    value=st.floats(-3, 3) | st.none(),
+    fail=st.floats(1, 2),
+    warn=st.floats(0, 1),
+    required=st.booleans(),
+)
+def test_a_wider_range_never_judges_harder(value, fail, warn, required):
+    order = ["passed", "warning", "failed"]
+    (narrow,) = judge((Limit("a", -fail, fail, -warn, warn, required),), {"a": value})
+    (wide,) = judge((Limit("a", -fail - 1, fail + 1, -warn - 1, warn + 1, required),), {"a": value})
+    if value is None:
+        assert narrow.verdict == wide.verdict == ("failed" if required else "not known")
+    else:
+        assert order.index(wide.verdict) <= order.index(narrow.verdict)
+
+
 def test_a_warning_lies_between_pass_and_fail(tmp_path):
     path = write(
         tmp_path,

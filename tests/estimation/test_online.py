@@ -11,6 +11,7 @@ from calib.estimation.estimator import estimate
 from calib.estimation.reasons import Reason
 from calib.estimation.validate import validate
 from calib.run.blocks import samples_of_block
+from tests.support.made_runs import changed
 from tests.support.reference_car import CAR, REAL, WET, noisy, stop, without
 
 PADS = 0.35, 0.32
@@ -22,10 +23,6 @@ EFFECTS = {
 }  # fmt: skip
 
 
-def with_channels(log, **channels):
-    return replace(log, channels=log.channels | channels)
-
-
 @pytest.mark.parametrize("effect", EFFECTS)
 def test_sensors_are_judged_as_they_read_not_behind_known_effects(fitted, effect):
     car = replace(CAR, effects=Effects({effect: EFFECTS[effect]}))
@@ -34,7 +31,7 @@ def test_sensors_are_judged_as_they_read_not_behind_known_effects(fitted, effect
     glitch = np.where(np.arange(log.time.size) % 397 == 300, 300e5, log["p_mc"])
     frozen = np.where(log.time < log.time[0] + 1.0, log["a_x"], log["a_x"][0])
     channels = {}, {"a_x": rough}, {"a_x": frozen}, {"p_mc": glitch}
-    fine, rough, frozen, glitch = (estimate(fitted, with_channels(log, **x), car) for x in channels)
+    fine, rough, frozen, glitch = (estimate(fitted, changed(log, **x), car) for x in channels)
     assert not np.any(rough.ecu.step.reason == Reason.FAULT)
     assert not np.any(frozen.ecu.valid)
     is_valid = fine.ecu.valid & glitch.ecu.valid
@@ -68,7 +65,7 @@ def test_a_value_that_is_held_for_a_tenth_of_a_second_is_no_fault(fitted):
     log = noisy(stop(WET), 5)
     for hold in (19, 20, 21, 25):
         slow = log["a_x"][np.arange(log.time.size) // hold * hold]
-        e = estimate(fitted, with_channels(log, a_x=slow))
+        e = estimate(fitted, changed(log, a_x=slow))
         assert not np.any(e.ecu.step.reason == Reason.FAULT)
 
 

@@ -159,9 +159,9 @@ def test_more_cars_say_more_but_never_more_than_cars_are_alike(fleet):
 
 def test_a_car_on_other_tyres_is_told_and_not_pulled_over(fleet):
     other = prepared(noisy(ramp(plant(0.62 * STIFFNESS)), 3))
-    priors, alone = informative_priors(CAR, (), fleet), posterior(CAR, [other], DEFAULT_PRIOR)
+    priors, unaided = informative_priors(CAR, (), fleet), posterior(CAR, [other], DEFAULT_PRIOR)
     e = posterior(CAR, [other], DEFAULT_PRIOR, priors=priors)
     (warning,) = contradicted(priors, e.prior_support)
     assert warning.code == "fleet_prior"
-    assert np.mean(e.compliance_f) == pytest.approx(np.mean(alone.compliance_f), rel=0.03)
+    assert np.mean(e.compliance_f) == pytest.approx(np.mean(unaided.compliance_f), rel=0.03)
     assert inside(e.log_pad_ratio, math.log(RATIO))

@@ -6,7 +6,7 @@ from tests.support.recordings import write_bus, write_dbc
 from tests.support.refusals import refusal
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def bus_folder(tmp_path_factory):
     """A folder with the DBC of the bus, a map that names it, and the run in three formats."""
     path = tmp_path_factory.mktemp("bus")
@@ -17,7 +17,7 @@ def bus_folder(tmp_path_factory):
     return path
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def read_bus(bus_folder):
     """A function that writes a file of this name and reads it with the map."""
 
@@ -29,7 +29,7 @@ def read_bus(bus_folder):
     return read
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def refused_bus(read_bus):
     """A function that writes a file and returns the message with which it is refused."""
     return lambda name, data: refusal(read_bus, name, data, kind=LogError)

@@ -1,7 +1,6 @@
 """Reading a log: the good ones give SI, each bad one is refused with its reason."""
 
 import hashlib
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,7 +9,6 @@ from calib.base.errors import LogError
 from calib.logs.read import REQUIRED, read_log
 from tests.support.refusals import refusal
 
-SAMPLES = Path(__file__).parents[2] / "sample_logs"
 NAMES = ["time", "p_mc", "a_x", "omega_fl", "omega_fr", "omega_rl", "omega_rr"]
 UNITS = dict(zip(NAMES, ["s", "bar", "m/s^2", *["rad/s"] * 4], strict=True))
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from calib.base.errors import LogError
@@ -25,10 +25,8 @@ def trace(name, time, values=None, state=False, clock=None):
 def test_a_straight_line_stays_one_on_any_rasters(steps, others, late):
     """Linear interpolation is exact there, whatever the jitter; nothing lies outside."""
     fast, slow = np.cumsum(steps), np.cumsum(others) + late
-    if min(fast[-1], slow[-1]) <= max(fast[0], slow[0]):
-        return
-    if on_line(fast)[1] or on_line(slow)[1]:  # taken for rounded times, which are moved
-        return
+    assume(min(fast[-1], slow[-1]) > max(fast[0], slow[0]))
+    assume(not on_line(fast)[1] and not on_line(slow)[1])  # rounded times would be moved
     resampled = on_one_clock([trace("omega_fl", fast), trace("p_mc", slow)], "run")
     for values in resampled.values:
         valid = ~np.isnan(values)

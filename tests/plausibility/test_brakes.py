@@ -16,9 +16,9 @@ from tests.support.reference_car import REAL, noisy, stop
 from tests.support.refusals import broken
 
 
-def evidence(response, odds=0.1):
+def evidence(measured, odds=0.1):
     """Return evidence on a car whose pedal commands a motor with these prior odds."""
-    return Evidence(SimpleNamespace(vehicle=SimpleNamespace(motor_odds=odds)), response=response)
+    return Evidence(SimpleNamespace(vehicle=SimpleNamespace(motor_odds=odds)), response=measured)
 
 
 def response(delay=0.0, share=0.0, sigma=0.01, **others):

@@ -123,6 +123,8 @@ def test_a_v_of_wheels_is_named_also_behind_a_filter(clean, wheels, filtered):
     v = CAR.front.rolling_radius * np.mean([log[f"omega_{w}"] for w in wheels.split()], axis=0)
     if filtered:
         v = np.round(v / 0.02) * 0.02
+    (warning,) = broken((slip_of_v,), Evidence(Run(changed(log, v=v))))
+    assert warning.measured < warning.expected[0]
     assert why_not(changed(log, v=v), "validate") == ["v_of_wheels"]
 
 

@@ -1,3 +1,5 @@
+import json
+
 import numpy as np
 import pyarrow as pa
 import pytest
@@ -41,7 +43,7 @@ def test_small_fleets_are_drawn_with_names_as_written(tmp_path, n):
 
 
 def test_fleet_json_has_the_keys_that_scripts_read(summary):
-    content = plain(document(summary))
+    content = json.loads(json.dumps(plain(document(summary)), allow_nan=False))
     pads, outlier = content["figures"]["pad_friction_f"], content["outliers"][0]
     assert content["status"] == {"passed": 397, "error": 3}
     assert (outlier["log"], outlier["figure"]) == ("line/car134.csv", "pad_friction_f")
@@ -52,5 +54,5 @@ def test_fleet_json_has_the_keys_that_scripts_read(summary):
 
 def test_a_fleet_is_green_only_where_it_was_judged(tmp_path):
     for n, verdict in ((5, "unjudged"), (20, "passed"), (400, "warning")):
-        summary = summarise(open_fleet(results(tmp_path / f"{n}.parquet", n)))
-        assert fleet_facts(summary).verdict == verdict
+        of_n_logs = summarise(open_fleet(results(tmp_path / f"{n}.parquet", n)))
+        assert fleet_facts(of_n_logs).verdict == verdict

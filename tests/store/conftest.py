@@ -54,8 +54,3 @@ def copy(signed_store, tmp_path):
 def runs() -> list[Table]:
     driven = ramp(REAL)
     return [fit(CAR, [noisy(driven, seed)]) for seed in range(8)]
-
-
-def files_under(directory):
-    """The bytes of all files by their paths."""
-    return {p.relative_to(directory): p.read_bytes() for p in directory.rglob("*") if p.is_file()}

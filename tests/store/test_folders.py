@@ -65,6 +65,15 @@ def test_line_ends_that_git_changed_are_named(store, name):
     assert "CRLF" in error.value.problem
 
 
+def test_a_listing_reads_only_the_states_that_are_asked_for(store, monkeypatch):
+    read = []
+    monkeypatch.setattr(
+        "calib.store.snapshot.read_version", lambda *words: read.append(words) or 1 / 0
+    )
+    assert list(store.entries("released")) == []
+    assert read == []
+
+
 def test_a_name_that_differs_in_case_alone_is_refused(store):
     paths = sorted(store.folder.rglob("*"))
     with pytest.raises(StoreError):

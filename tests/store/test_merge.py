@@ -92,7 +92,7 @@ def test_axes_of_different_length_have_their_common_range_and_it_is_told():
     assert mean.difference.eta[[0, -1]].tolist() == [1.0, d.eta[14]]
     assert mean.tyre.slip[-1] == g.slip[14]
     assert mean.difference.eta.size == 21
-    assert any("1.00350" in remark and "sedan@1" in remark for remark in mean.remarks)
+    assert any("curves end at eta 1.00350, where sedan@1 ends" in r for r in mean.remarks)
 
 
 def test_the_record_names_the_parents_and_what_no_mean_shrinks(store):
@@ -101,6 +101,7 @@ def test_the_record_names_the_parents_and_what_no_mean_shrinks(store):
     origin = store.load("golden@1").table.provenance
     assert [(p.id, p.digest) for p in origin.parents] == [(p.id, p.digest) for p in parents]
     assert {log.name for log in origin.logs} == {"ramp_1.csv", "ramp_2.csv", "ramp_3.csv"}
+    assert any("vehicle file, the surface of the track" in r for r in stored.table.remarks)
     assert stored.table.spread.cars == 3
     assert all(verdict.sound for verdict in store.verify())
     assert store.save(merge(parents[::-1], "golden")).id == "golden@1"

@@ -1,6 +1,7 @@
 """What the page `tables` promises of a store; of signatures, see `test_signatures`, `test_seen`."""
 
 import json
+import re
 import shutil
 import subprocess
 import sys
@@ -17,11 +18,12 @@ from calib.exports.export import ENDINGS, export
 from calib.store.state import Evidence, StateDecision
 from calib.store.store import Store
 from calib.table.table import Value
-from tests.store.conftest import files_under
+from tests.support.command import files_under
 from tests.support.killed import killed
 from tests.support.tables import made_table
 
 ROOT = Path(__file__).parents[2]
+PAGE = ROOT / "calib" / "manual" / "tables.md"
 
 RELEASE = StateDecision("released", "four stops agree", by="Ada")
 REJECT = StateDecision("rejected", "front pads wet", by="Ada")
@@ -34,6 +36,16 @@ def lines_of(store):
 
 def rewrite(store, lines):
     (store.folder / "journal.jsonl").write_bytes(b"".join(lines))
+
+
+def test_every_promise_has_its_test():
+    part = PAGE.read_text().partition("## What the store promises")[2]
+    promises = re.findall(r"^\* \*\*(.*?)\.\*\*", part, flags=re.MULTILINE)
+    assert len(promises) > 10
+    names = {"test_" + re.sub(r"\W+", "_", promise.lower()).strip("_") for promise in promises}
+    files = (Path(__file__).with_name(f"test_{x}.py") for x in ("promises", "signatures", "seen"))
+    texts = "".join(file.read_text() for file in files)
+    assert names <= {*re.findall(r"^def (test_\w+)", texts, flags=re.MULTILINE)}
 
 
 def test_a_version_never_changes(three):
@@ -149,7 +161,9 @@ def replaced(path):
 
 
 @pytest.mark.parametrize("damage", [shutil.rmtree, recomputed, swapped, renumbered, replaced])
-def test_a_missing_replaced_edited_or_renumbered_version_is_refused(three, damage):
+def test_a_version_that_is_missing_replaced_edited_or_renumbered_is_found_and_refused(
+    three, damage
+):
     damage(three.folder / "sedan" / "v0002")
     with pytest.raises(DamagedTable) as error:
         three.load("sedan@2")

@@ -12,7 +12,7 @@ from calib.base.errors import ExchangeError, StoreError, TableNotFound
 from calib.store.evidence import read_evidence
 from calib.store.state import StateDecision
 from calib.store.store import Store
-from tests.store.conftest import files_under
+from tests.support.command import files_under
 from tests.support.tables import made_table
 
 RELEASE = StateDecision("released", "good", "passed", by="Ada")

@@ -50,7 +50,7 @@ def carried_out(tried: Callable[[Job], Result], jobs: list[Job], workers: int) -
 def tabulated(
     tried: Callable[[Job], Iterable[Row]], jobs: list[Job], options: argparse.Namespace
 ) -> pd.DataFrame:
-    """The rows of all jobs, kept as CSV where ``asked`` names a file."""
+    """The rows of all jobs, kept as CSV where ``options`` name a file."""
     rows = pd.DataFrame(row for part in carried_out(tried, jobs, options.jobs) for row in part)
     if options.keep:
         rows.to_csv(options.keep, index=False)

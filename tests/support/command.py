@@ -30,3 +30,8 @@ def typed(*words: object, folder: Path | None = None) -> int:
             main()
     code = ended.value.code
     return code if isinstance(code, int) else int(bool(code))
+
+
+def files_under(folder: Path) -> dict[Path, bytes]:
+    """The bytes of all files in a folder by their paths."""
+    return {p.relative_to(folder): p.read_bytes() for p in folder.rglob("*") if p.is_file()}

@@ -60,8 +60,8 @@ def brush(stiffness: float = 25.0, peak: float = 0.9, load_exponent: float = 0.0
     def force(slip: float, load: float, stiffness_factor: float, peak_factor: float) -> float:
         mu = peak * peak_factor
         x = stiffness * stiffness_factor * load**-load_exponent * abs(slip) / (3.0 * mu)
-        force = mu * (1.0 - (1.0 - min(x, 1.0)) ** 3)
-        return math.copysign(force, slip)
+        magnitude = mu * (1.0 - (1.0 - min(x, 1.0)) ** 3)
+        return math.copysign(magnitude, slip)
 
     return force
 
@@ -73,8 +73,8 @@ def burckhardt(stiffness: float = 25.0, peak: float = 0.9, load_exponent: float 
         mu = peak * peak_factor
         k = stiffness * stiffness_factor * load**-load_exponent
         fall, rise, s = 0.35 * mu, 1.06 * mu, abs(slip)
-        force = rise * (1.0 - math.exp(-(k + fall) / rise * s)) - fall * s
-        return math.copysign(force, slip)
+        magnitude = rise * (1.0 - math.exp(-(k + fall) / rise * s)) - fall * s
+        return math.copysign(magnitude, slip)
 
     return force
 

@@ -100,7 +100,7 @@ def law() -> Sheet:
         return 0.38 + gradient(_STEP * u, u, gamma, _DT)
 
     def errors(product: float) -> np.ndarray:
-        """Error after each step (20,) where gamma u^2 dt is ``of``."""
+        """Error after each step (20,) where gamma u^2 dt is ``product``."""
         return (1.0 - product) ** np.arange(20)
 
     looks = {0.04: BODY, 1.5: IDENTIFIED, 1.95: {**LAW, "linestyle": LONG}, 2.1: REAR}

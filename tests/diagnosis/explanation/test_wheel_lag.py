@@ -43,3 +43,18 @@ def test_force_and_rate_are_those_of_an_integrator(tau, relaxation, v):
     force, change = followed(tau, relaxation, v, balance(t))
     assert force == pytest.approx(expected[0], abs=1e-3)
     assert change == pytest.approx(expected[1], abs=0.2)  # of 7 a second
+
+
+def test_a_released_wheel_swings_on_its_tyre():
+    """R sqrt(F_z K/(J sigma)) over 2 pi, damped by v/(2 sigma): 1.1 kg m^2, 4 kN, 0.3 m."""
+    inertia, load, stiffness, radius, sigma, v = 1.1, 4000.0, 30.0, 0.3, 0.4, 8.0
+    tau = inertia * v / (radius**2 * load * stiffness)
+    t = STEP * np.arange(60)
+    force = followed(tau, sigma, v, np.where(t < 0.1, 1.0, 0.0))[0]
+    natural = radius * np.sqrt(load * stiffness / (inertia * sigma))
+    free = t > 0.15  # the step of the input is a ramp of two samples here
+    turns = np.exp((-0.5 * v / sigma + 1j * np.sqrt(natural**2 - (0.5 * v / sigma) ** 2)) * t[free])
+    A = np.stack([turns.real, turns.imag], axis=1)
+    fitted = A @ np.linalg.lstsq(A, force[free], rcond=None)[0]
+    assert force[free] == pytest.approx(fitted, abs=1e-6)
+    assert np.max(np.abs(force[free])) > 0.1

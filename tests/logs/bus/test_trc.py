@@ -1,4 +1,4 @@
-"""PEAK TRC: values as in the log of candump; a line that is damaged or cut off is refusal_of."""
+"""PEAK TRC: values as in the log of candump; a line that is damaged or cut off is refused."""
 
 import numpy as np
 import pytest
